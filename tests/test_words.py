@@ -18,6 +18,7 @@ import io
 import re
 import tokenize
 from collections.abc import Iterator, Sequence
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -66,6 +67,7 @@ WORDS: dict[str, Word] = {
     "of which": Word("a second sentence", "", r"\bof which\b"),
     "What, Who": Word("a sentence with a subject", "", r"\b(What|Who) (?![^.?]*\?)"),
 }  # fmt: skip
+PROSE = re.compile("|".join(filter(None, [row.prose for row in WORDS.values()])), re.MULTILINE)
 
 # A function is named by what it does or returns; these words alone do not say it.
 NO_NAMES = re.compile(
@@ -80,7 +82,8 @@ NO_NAMES = re.compile(
 LONGEST, LONGEST_KERNEL = 35, 25
 # To do: functions here still lack comments, or have one of the names above.
 ROOMS_TO_DO = (
-    "simulation", "study", "reports", "codegen/c", "codegen/fmi", "cli/build.py", "kernels/verification", "robots",
+    "simulation", "study", "reports", "codegen/c", "codegen/fmi", "cli/build.py", "kernels/verification",
+    "robots",
 )  # fmt: skip
 
 
@@ -117,17 +120,22 @@ def prose(text: str) -> Iterator[tuple[str, int]]:
             yield token.string, token.start[0]
 
 
+@cache
+def rows_of(part: str) -> list[str]:
+    """Return the rows that a word of a name is in."""
+    return [word for word, row in WORDS.items() if row.names and re.fullmatch(row.names, part)]
+
+
 def found_in_names(path: Path, names: Iterator[tuple[str, int]]) -> Iterator[Use]:
     for name, line in names:
         for part in words_of(name):
-            for word, row in WORDS.items():
-                if row.names and re.fullmatch(row.names, part):
-                    yield Use(word, f"{path.relative_to(ROOT)}:{line}: {name}")
+            for word in rows_of(part):
+                yield Use(word, f"{path.relative_to(ROOT)}:{line}: {name}")
 
 
 def found_in_prose(path: Path, texts: Iterator[tuple[str, int]]) -> Iterator[Use]:
     for text, line in texts:
-        for word, row in WORDS.items():
+        for word, row in WORDS.items() if re.search(PROSE, text) else ():
             for match in re.finditer(row.prose, text, re.MULTILINE) if row.prose else ():
                 at = line + text.count("\n", 0, match.start())
                 yield Use(word, f"{path.relative_to(ROOT)}:{at}: {match[0].strip()}")
@@ -136,13 +144,13 @@ def found_in_prose(path: Path, texts: Iterator[tuple[str, int]]) -> Iterator[Use
 def uses() -> list[Use]:
     """Return all uses of the words."""
     found: list[Use] = []
-    names, texts = ("|".join(filter(None, column)) for column in list(zip(*WORDS.values()))[1:])
     for path in sorted((ROOT / "lagc").rglob("*.py")):
         text = path.read_text(encoding="utf-8")
         found += found_in_names(path, iter([(path.stem, 0)]))
-        if re.search(names, text, re.IGNORECASE):  # to parse all files takes long
+        names = set(re.findall(r"[A-Za-z]\w*", text))
+        if any(rows_of(part) for name in names for part in words_of(name)):  # to parse all files takes long
             found += found_in_names(path, identifiers(ast.parse(text)))
-        if re.search(texts, text):
+        if re.search(PROSE, text):
             found += found_in_prose(path, prose(text))
     pages = [page for page in (ROOT / "docs").rglob("*.md") if page.name != "gallery.md"]  # it quotes models
     for path in sorted([ROOT / "README.md", *pages]):

@@ -312,8 +312,7 @@ class CompiledModel(Differentiable, Measurable, Comparable, Sweepable, Fittable,
             starts=bound_starts(self.interface, given),
             guesses=bound_guesses(self.interface, quantities("guesses", guesses), given),
             scales=bound_scales(self.interface, quantities("scales", scales)),
-            sensitivity=words("sensitivity", sensitivity),
-            **in_seconds,
+            sensitivity=words("sensitivity", sensitivity), **in_seconds,
         )  # fmt: skip
         # Points that would not fit into memory are refused before the run.
         complete = request.completed(self.interface.simulate)

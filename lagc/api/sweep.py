@@ -93,18 +93,22 @@ class Sweepable(Parametrized):
         from lagc.study.sweep.sweep import Running
         from lagc.study.sweep.worker import Task, version
 
+        # Points do not change a motion, but its error is estimated at them too: a few, whoever runs it.
         if tuple(keep) == ("final",) and request.every is request.points is None:
             request = replace(request, points=FINAL_POINTS)
         request = request.completed(self.interface.simulate)
         loaded, backend = self._chosen(request)
         table = self._table(plan, request, keep, backend)
         values = self._values(plan.names, parameters)
+        # The key of everything asked: the journal of another sweep, or of another lagc, is not continued.
         swept = [cache.digest(array("d", c).tobytes()) for block in plan.blocks for c in block.columns]
         asked = [repr(part) for part in (request, values, plan.names, swept, tuple(keep), most_time)]
         shape = repr([len(block) for block in plan.blocks])
         key = cache.key(self.interface.model_hash, self.interface.scene, backend, version(), shape, *asked)
+        # Workers get the model once, pickled; the key tells whether a journal belongs to this sweep.
         task = Task(pickle.dumps(loaded), key, version(), backend, request, tuple(values), plan.names,
                     tuple(keep), most_time)  # fmt: skip
+        # A limit of time is asked about whenever progress is shown.
         look = running(lambda t: progress(table)) or (lambda t: None)
         file = None if journal is None else Journal(journal, key)
         try:

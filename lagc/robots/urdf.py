@@ -166,7 +166,10 @@ class _Reader:
         parts.append((mass, at, axes @ inertia @ axes.T))
 
     def _add_body(self, name: str, parts: list[tuple[float, Vector, Matrix]]) -> None:
-        self.robot.bodies.append(lumped(name, parts))
+        body = lumped(name, parts)
+        self.robot.bodies.append(body)
+        if self.free and len(self.robot.bodies) == 1 and not body.mass:
+            self.robot.notes.append(f"link `{name}` moves freely and has no mass: give it one")
 
     def _joint(self, joint: Element, parent: str, child: str, frame: Frame) -> Joint:
         import numpy as np

@@ -15,6 +15,8 @@ import pytest
 import lagc
 from lagc.simulation.linearization.linear_model import Linear
 
+pytestmark = pytest.mark.full  # the model has 6,000 operations, its derivatives more
+
 G = 9.81
 M = [[80.81722, 2.31941332208709], [2.31941332208709, 0.29784188199686]]
 C1 = [[0.0, 33.86641391492494], [-0.85035641456978, 1.68540397397560]]
@@ -58,7 +60,6 @@ def matrices(linear: Linear) -> tuple[Any, Any, Any]:
     return mass, -mass @ linear.A[np.ix_(v, v)], -mass @ linear.A[np.ix_(v, q)]
 
 
-@pytest.mark.full
 def test_the_matrices(bicycle: lagc.CompiledModel) -> None:
     mass, damping, at_rest = matrices(straight(bicycle, 0.0))
     assert mass == pytest.approx(np.array(M), rel=CLOSE)
@@ -71,7 +72,6 @@ def test_the_matrices(bicycle: lagc.CompiledModel) -> None:
         assert (stiffness - at_rest) / v**2 == pytest.approx(np.array(K2), rel=CLOSE, abs=CLOSE)
 
 
-@pytest.mark.full
 @pytest.mark.parametrize("v", EIGENVALUES)
 def test_the_eigenvalues(v: float, bicycle: lagc.CompiledModel) -> None:
     linear = straight(bicycle, v)
@@ -82,7 +82,6 @@ def test_the_eigenvalues(v: float, bicycle: lagc.CompiledModel) -> None:
     assert linear.stability == ("asymptotically stable" if 4.3 < v < 6.02 else "unstable")
 
 
-@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "below, above",
     [(4.29238253634111 - 1e-9, 4.29238253634111 + 1e-9), (6.02426201538837 + 1e-9, 6.02426201538837 - 1e-9)],

@@ -85,7 +85,9 @@ def saved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-PAGES = sorted({document for document, _ in lines()})
+PAGES = sorted(
+    {document for document, _ in lines()}, key=lambda page: ([x for x, _ in lines()].count(page), page)
+)
 
 
 def test_commands_are_shown_where_they_belong() -> None:

@@ -136,6 +136,10 @@ def test_a_free_body() -> None:
     assert fall == pytest.approx(of_origin, rel=1e-8, abs=1e-8)
 
 
+def test_a_free_link_without_mass_is_named() -> None:
+    assert "link `frame` moves freely and has no mass: give it one" in imported(GEARS, free=True)[0].notes
+
+
 def test_names_and_formatting(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Names that the language does not have, keywords, and names that become equal; the text is formatted."""
     text = GEARS.replace('"one"', '"left-wheel"').replace('"two"', '"left wheel"').replace('"a"', '"end"')

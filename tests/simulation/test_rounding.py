@@ -176,8 +176,7 @@ def test_rows_that_nearly_depend_on_each_other(angle: float) -> None:
 
 
 @pytest.mark.sample(1)
-@pytest.mark.parametrize("backend", ["c", "numpy"])
-@pytest.mark.parametrize("offset", [0.0, 0.5])
+@pytest.mark.parametrize(("backend", "offset"), [("c", 0.5), ("numpy", 0.5), ("c", 0.0)])  # 2e6 steps
 def test_forces_that_are_differences_of_near_numbers(backend: str, offset: float) -> None:
     # a swing of 1e-7 about a place where exp(x) - 1 has lost seven digits
     text = f"""model M

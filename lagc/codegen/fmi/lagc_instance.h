@@ -39,9 +39,7 @@ typedef struct { /* what a copy of the state of the FMU holds: plain data, no po
 typedef struct {
     Store c;
     M(work) w;
-#if HAS_CONSISTENT
     M(start_work) start;
-#endif
     int is_evaluated, has_outputs; /* dx and lam are those of c, y is */
     double dx[K(NX)], y[K(NY) + 1], lam[K(NC) + 1];
     int is_co, uses_events, may_return_early, is_loud;
@@ -120,13 +118,13 @@ static void bind(Instance *i)
     i->c.is_bound = 1;
 }
 
-/* Let what is due at the importer's time and state happen; `error` is that of the time. */
-static fmi3Status pass_event(Instance *i, double error, int *ends)
+/* Let what is due at the importer's time and state happen.  A root finder may stop so much before a root. */
+static fmi3Status pass_event(Instance *i, double time_error, int *ends)
 {
     Store *c = &i->c;
     M(status) status;
     bind(i);
-    status = M(event)(&c->p, &c->s, c->t, c->x, error, &i->w);
+    status = M(event)(&c->p, &c->s, c->t, c->x, time_error, i->is_co ? 0.0 : c->tolerance, &i->w);
     i->is_evaluated = 0;
     *ends = status == K(TERMINATED);
     return good(status) || *ends ? fmi3OK : fail(i, fmi3Error, status, c->s.culprit, "event");
@@ -137,27 +135,21 @@ static fmi3Status start(Instance *i)
 {
     Store *c = &i->c;
     M(status) status;
-    int k, culprit = -1, ends;
+    int levels[sizeof start_levels / sizeof *start_levels], k, culprit = -1, ends;
     bind(i);
     status = M(check)(&c->p, &c->o, &culprit);
     if (!good(status))
         return fail(i, fmi3Error, status, culprit, "parameters");
     M(start)(&c->p, c->x);
+    memcpy(levels, start_levels, sizeof levels);
     for (k = 0; k < NS; k++)
-        if (c->is_given[k])
+        if (c->is_given[k]) {
             c->x[k] = c->given[k];
-#if HAS_CONSISTENT
-    {
-        int levels[sizeof start_levels / sizeof *start_levels];
-        memcpy(levels, start_levels, sizeof levels);
-        for (k = 0; k < NS; k++)
-            if (c->is_given[k])
-                levels[k] = K(FIXED);
-        status = M(consistent)(&c->p, c->t, c->x, levels, &i->start);
-        if (!good(status))
-            return fail(i, fmi3Error, status, i->start.culprit, "initial values");
-    }
-#endif
+            levels[k] = K(FIXED);
+        }
+    status = M(consistent)(&c->p, c->t, c->x, levels, &i->start);
+    if (!good(status))
+        return fail(i, fmi3Error, status, i->start.culprit, "initial values");
     M(begin)(&c->s, c->t, c->x);
     c->is_started = 1;
     return pass_event(i, 0.0, &ends); /* contacts act, and the modes are found */
@@ -214,7 +206,7 @@ static int has_drifted(Instance *i)
     double x[K(NX)];
     int k;
     memcpy(x, c->x, sizeof x);
-    if (IS_CONSTRAINED && good(M(project_state)(&c->p, &c->s, c->t, x, &i->w)))
+    if (good(M(project_state)(&c->p, &c->s, c->t, x, &i->w)))
         for (k = 0; k < NS; k++)
             if (fabs(x[k] - c->x[k]) > 0.1 * c->tolerance * c->s.sizes[scaling_groups[k]])
                 return 1;

@@ -35,11 +35,8 @@ def model_header(made: Unit) -> str:
     i = made.interface
     name = prefix(i.model)
     upper = name.upper()
-    absent = [] if i.prepared else [f"#define {name}_bind(p) ((void)(p))"]
-    absent += [] if i.outputs else [f"#define {name}_outputs(p, t, x, y, w) {upper}_OK"]
     numbers = {
         "NPARAMETERS": len(i.parameters), "NRELATIONS": len(i.relations),
-        "IS_CONSTRAINED": bool(i.nc or i.quaternions or i.contacts), "HAS_CONSISTENT": i.needs_consistency,
         "HAS_DIRECTIONAL": made.directional, "HAS_SOLVE": i.nc,
     }  # fmt: skip
     fields = (*i.parameters, *i.inputs)
@@ -60,7 +57,6 @@ def model_header(made: Unit) -> str:
         f"#define K(NAME) {upper}_##NAME",
         f"#define TOKEN {_quoted(made.token)}",
         *(f"#define {key} {int(value)}" for key, value in numbers.items()),
-        *absent,
         *(f"static {head}[] = {{{_listed(values)}}};" for head, values in tables.items()),
         "",
     ])  # fmt: skip

@@ -15,12 +15,20 @@ from lagc.kernels.call_boundary import (
     parameters_changed,
     report_culprit,
 )
+from lagc.kernels.contact.settle import OPENS
 from lagc.kernels.contact.touching import put_on_constraints, rates_at
 from lagc.kernels.events.contact_events import pass_event
-from lagc.kernels.events.location import next_time_event, update_margins
+from lagc.kernels.events.location import (
+    SLACK_GROWTH,
+    estimate_indicator_roundoff,
+    next_time_event,
+    update_margins,
+)
 from lagc.kernels.events.mode_change import MOST_CHANGES
 from lagc.kernels.events.modes import update_edges
 from lagc.kernels.language.vocabulary import *
+
+LEFT_ERROR = 10.0  # times the tolerance: error of the states up to which an indicator has not left zero
 
 
 @public
@@ -41,7 +49,7 @@ def hold_modes(s: State, w: Work) -> None:
 @public
 def indicators(p: Params, s: State, t: Real, x: Vec[NX], z: Vec[NFREE], w: Work) -> Status:
     """z[NFREE]: the event indicators at (t, x) that depend on the state. Each is continuous between events,
-    and positive until its relation changes; then call lagc_event."""
+    and positive until its relation changes; then call lagc_event, which leaves all of them positive."""
     hold_modes(s, w)
     s.p[:] = p
     if NCON > 0:
@@ -54,9 +62,38 @@ def indicators(p: Params, s: State, t: Real, x: Vec[NX], z: Vec[NFREE], w: Work)
     return OK
 
 
+def find_ahead(p: Params, s: State, ahead: Real, w: Work) -> Status:
+    """Add indicators to w.events.crossed that fall to zero within the time `ahead`, and move the state to
+    where the first of them does, to first order. w.xdot and w.events.margins are those of the state."""
+    # One explicit Euler step of length `ahead`. An indicator below zero after it, but above its value before,
+    # is on its way back.
+    before = vector(NFREE)
+    before[:] = w.events.margins
+    w.search.x_trial[:] = w.xdot
+    w.search.x_part_end[:] = s.x
+    for i in range(NINT):
+        w.search.x_part_end[i] += ahead * w.xdot[i]
+    if failed(rates_at(p, s.t + ahead, w.search.x_part_end, w.xdot, w.lam, w)):
+        return OK
+    update_margins(p, s.t + ahead, w.search.x_part_end, s, w)
+    time = inf
+    for j in range(NFREE):
+        if w.events.margins[j] < 0.0 and w.events.margins[j] < before[j]:
+            w.events.crossed[NTIMED + j] = 1
+            own = ahead * before[j] / (before[j] - w.events.margins[j])
+            if own < time:
+                time = own
+    # A state just behind the first zero, as where lagc's own event location stops.
+    if time < inf:
+        time += EVENT_TIME_ULPS * SPACING * fabs(s.t)
+        for i in range(NINT):
+            s.x[i] += time * w.search.x_trial[i]
+    return OK
+
+
 def find_crossed(p: Params, s: State, ahead: Real, w: Work) -> Status:
-    """Set w.events.crossed at (s.t, s.x): relations of time alone that are due, indicators beyond zero, and
-    those that move there within the time `ahead`."""
+    """Set w.events.crossed at (s.t, s.x): relations of time alone that are due, and indicators beyond zero;
+    if there are none of these, those that get there within the time `ahead`."""
     hold_modes(s, w)
     for k in range(NMODE):
         w.events.crossed[k] = 0
@@ -72,21 +109,13 @@ def find_crossed(p: Params, s: State, ahead: Real, w: Work) -> Status:
         if failed(status):
             return status
         update_margins(p, s.t, s.x, s, w)
-        # Two rates of change at one point would need derivatives of the indicators along the motion; one
-        # explicit Euler step of length `ahead` instead gives their sign at the cost of one more evaluation.
-        before = vector(NFREE)
-        before[:] = w.events.margins
-        if ahead > 0.0:
-            w.search.x_part_end[:] = s.x
-            for i in range(NINT):
-                w.search.x_part_end[i] += ahead * w.xdot[i]
-            if not failed(rates_at(p, s.t + ahead, w.search.x_part_end, w.xdot, w.lam, w)):
-                update_margins(p, s.t + ahead, w.search.x_part_end, s, w)
-        # Beyond zero already, or falling to it within `ahead`. An indicator below zero after the step, but
-        # above its value before, is on its way back. If the rates fail after the step, margins stay `before`.
+        found = False
         for j in range(NFREE):
-            falls = w.events.margins[j] < 0.0 and w.events.margins[j] < before[j]
-            w.events.crossed[NTIMED + j] = 1 if before[j] < 0.0 or falls else 0
+            if w.events.margins[j] < 0.0:
+                w.events.crossed[NTIMED + j] = 1
+                found = True
+        if ahead > 0.0 and not found:
+            return find_ahead(p, s, ahead, w)
     return OK
 
 
@@ -112,12 +141,38 @@ def pass_events(p: Params, s: State, ahead: Real, w: Work) -> Status:
     return CHATTERING
 
 
+def leave_roots(p: Params, s: State, rtol: Real, w: Work) -> Status:
+    """Let all indicators be positive after an event, by slack: a root finder would find one at zero again.
+    Each is so by what round-off changes it by; the gap of a contact that has opened by what errors of the
+    states by `rtol` do, as bodies leave each other slowly."""
+    hold_modes(s, w)
+    status = rates_at(p, s.t, s.x, w.xdot, w.lam, w)
+    if failed(status):
+        return status
+    if NDISC > 0:
+        box_discrete(s, w)
+    for i in range(NQ + NV):
+        w.search.x_part_middle[i] = s.sizes[scaling_group[i]]
+    estimate_indicator_roundoff(p, s, w.search.x_part_middle, w)
+    update_margins(p, s.t, s.x, s, w)
+    for j in range(NFREE):
+        least = SLACK_GROWTH * w.events.roundoff[j] + TINY
+        if NCON > 0:
+            contact = j - (NFREE - NCON)
+            if contact >= 0 and s.settlements > 0:
+                if s.contact_kinds[contact] == OPENS:
+                    least += LEFT_ERROR * rtol / SPACING * w.events.roundoff[j]
+        if w.events.margins[j] < least:
+            s.slack[NTIMED + j] += least - w.events.margins[j]
+    return OK
+
+
 @public
-def event(p: Params, s: State, t: Real, x: Vec[NX], error: Real, w: Work) -> Status:
+def event(p: Params, s: State, t: Real, x: Vec[NX], time_error: Real, rtol: Real, w: Work) -> Status:
     """Handle the events at (t, x), where an integrator of the caller has stopped; x then holds the state
-    after them. `error` is that of the time: indicators that fall to zero so soon have crossed. Call it
-    first after lagc_begin, and after a jump of parameters or inputs. Returns TERMINATED where a clause
-    of the model ends the run."""
+    after them. Indicators that fall to zero within `time_error` have crossed. `rtol`: the relative error of
+    the states, by which a contact that has just opened may touch. Call it first after lagc_begin, and after
+    a jump of parameters or inputs. Returns TERMINATED where a clause of the model ends the run."""
     # The motion reaches its events with the parameters of the last call of lagc_indicators; these jump then.
     enter_call(s, w)
     status = OK
@@ -130,7 +185,7 @@ def event(p: Params, s: State, t: Real, x: Vec[NX], error: Real, w: Work) -> Sta
         if NDISC > 0:
             box_discrete(s, w)
         if NMODE > 0:
-            status = pass_events(s.p, s, error, w)
+            status = pass_events(s.p, s, time_error, w)
         s.t_end = t
         s.x_end[:] = s.x
     s.rate_place = ABSENT
@@ -146,6 +201,9 @@ def event(p: Params, s: State, t: Real, x: Vec[NX], error: Real, w: Work) -> Sta
             corrected = put_on_constraints(p, s.t, s.x, s.sizes, w)
             if failed(corrected):
                 status = corrected
+    if NFREE > 0:
+        if not failed(status):
+            status = leave_roots(p, s, rtol, w)
     status = leave_call(s, report_culprit(s, status, w), w)
     x[:] = s.x
     hold_modes(s, w)
@@ -162,10 +220,29 @@ def next_event(p: Params, s: State, w: Work) -> Real:
     return inf
 
 
+def release_roots(p: Params, s: State, t: Real, x: Vec[NX], w: Work) -> None:
+    """Set the slack of indicators to 0 that are several times as large, but of no contact that touches."""
+    update_margins(p, t, x, s, w)
+    for j in range(NFREE):
+        k = NTIMED + j
+        touches = False
+        if NCON > 0:
+            if k >= NMODE - NCON:
+                touches = x[NX - NMODE + k] != 0.0
+            elif k >= NMODE - NCON - NSLIP:
+                touches = True
+        if w.events.margins[j] > (1.0 + SLACK_GROWTH) * s.slack[k] and not touches:
+            s.slack[k] = 0.0
+
+
 @public
 def project_state(p: Params, s: State, t: Real, x: Vec[NX], w: Work) -> Status:
-    """Project x, which an integrator of the caller has moved, onto the constraints and onto the contacts that
-    touch."""
+    """Project x onto the constraints and onto the contacts that touch, after a step of an integrator of the
+    caller."""
     enlarge_sizes(x, s.sizes)
     hold_modes(s, w)
-    return put_on_constraints(p, t, x, s.sizes, w)
+    status = put_on_constraints(p, t, x, s.sizes, w)
+    if NFREE > 0:
+        if not failed(status):
+            release_roots(p, s, t, x, w)
+    return status

@@ -151,9 +151,8 @@ def _without_components(
     known = {*equations.q, *equations.v, *equations.a, *equations.lam, *(x.symbol for x in model.discretes)}
     parts = [_at_rest(part, at_rest) for part in inertias]
     idle = {id(part.body) for part in inertias} - {
-        id(part.body) for part, old in zip(parts, inertias)
-        if not all(x.is_zero for x in part.velocity) or all(x.is_zero for x in old.velocity)
-    }  # fmt: skip
+        id(new.body) for new, old in zip(parts, inertias)
+        if not all(x.is_zero for x in new.velocity) or all(x.is_zero for x in old.velocity)}  # fmt: skip
     sums = [reduced(x) for x in (equations.kinetic, equations.potential, equations.energy, equations.power)]
     whens = [replace(w, changes=tuple([(s, x) for s, x in w.changes if not gone(s)]))
              for w in equations.whens if _is_asked(w) or not all(gone(s) for s, _ in w.changes)]  # fmt: skip
@@ -166,13 +165,12 @@ def _without_components(
         whens=tuple([w.clause for w in whens if w.clause in model.whens]),
     )
     return replace(
-        equations,
-        model=model,
+        equations, model=model,
         inertias=tuple([part for part in parts if id(part.body) not in idle]),
         further_inertia={at: m for at, m in equations.further_inertia.items() if not gone(v[at[0]])},
         rows=tuple([row for row in equations.rows if not gone(row.multiplier)]), contacts=contacts,
-        loads=_loads(equations, at_rest), whens=tuple(whens),
-        kinetic=sums[0], potential=sums[1], energy=sums[2], power=sums[3],
+        loads=_loads(equations, at_rest), whens=tuple(whens), kinetic=sums[0], potential=sums[1],
+        energy=sums[2], power=sums[3],
         initial_conditions=tuple([
             given for given in equations.initial_conditions if not any(map(gone, symbols(given[:1])))
         ]),

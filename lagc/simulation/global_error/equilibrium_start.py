@@ -69,7 +69,7 @@ def trajectory_at_rest(x: Sequence[float], times: Sequence[float]) -> Trajectory
 def _last_places(
     system: System, t: float, x: Sequence[float], plain: Sequence[float], direction: int
 ) -> list[float]:
-    """The change of each acceleration from `plain` with a perturbation of all numbers by one rounding unit."""
+    """The change of each acceleration from `plain` with all numbers perturbed by one rounding unit."""
     p = system.parameters
     last = [
         1.0 - ULP if (i + 1) * (2 * direction + 3) >> 1 & 1 else 1.0 + ULP for i in range(len(x) + len(p))

@@ -1,0 +1,63 @@
+"""FMUs of library models, and what is made of their sources."""
+
+from __future__ import annotations
+
+import io
+import subprocess
+import zipfile
+from functools import cache
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+from lagc.compiler.fmu import fmu
+from lagc.compiler.pipeline import Compilation
+from lagc.compiler.stages import Choice
+from lagc.diagnostics.faults import Source
+from lagc.host import model_library
+from lagc.simulation.backends.cross import Platform
+
+
+@cache
+def archive(model: str, version: int = 3, platforms: tuple[Platform, ...] | None = ()) -> bytes:
+    """The FMU of a library model or of a text, without libraries by default."""
+    source = Source("model.lag", model) if "\n" in model else model_library.read(model)
+    compilation = Compilation(source, Choice())
+    _, files = fmu(compilation, version, ("dop853",), platforms)
+    ((_, data),) = files.items()
+    return data
+
+
+def contents(data: bytes) -> dict[str, bytes]:
+    with zipfile.ZipFile(io.BytesIO(data)) as file:
+        return {name: file.read(name) for name in file.namelist()}
+
+
+def description(data: bytes) -> ET.Element:
+    return ET.fromstring(contents(data)["modelDescription.xml"])
+
+
+def program(data: bytes, main: str, folder: Path) -> Path:
+    """Compile `main`, a C file of this folder, with the sources that buildDescription.xml lists."""
+    found = contents(data)
+    for name, text in found.items():
+        if name.startswith("sources/"):
+            (folder / Path(name).name).write_bytes(text)
+    build = ET.fromstring(found["sources/buildDescription.xml"])
+    files = [file.attrib["name"] for file in build.iter("SourceFile")]
+    (folder / main).write_bytes((Path(__file__).parent / main).read_bytes())
+    command = [
+        "gcc",
+        "-std=c99",
+        "-Wall",
+        "-Werror",
+        "-O0",
+        "-ffp-contract=off",
+        *files,
+        main,
+        "-o",
+        "main",
+        "-lm",
+    ]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return folder / "main"
