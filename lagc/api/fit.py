@@ -195,6 +195,9 @@ def measured_values(
         return name, np.array(found, dtype=float)
 
     _, times = column("time", clock, "s")
+    if (times < 0).any():
+        message = f"the column `{clock}` has the time {times.min():g} s; a run begins at 0"
+        raise Refused([Fault("LAG0602", message, remedy="subtract the first time from all")])
     result = []
     for quantity, word in asked.items():
         own = unit_of(quantity)

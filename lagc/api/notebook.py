@@ -10,8 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from html import escape
+from keyword import iskeyword
 from typing import Any
 
+from IPython.core.error import UsageError
 from IPython.core.magic import needs_local_scope
 from IPython.core.magic_arguments import argument, magic_arguments, parse_argstring
 from IPython.display import display
@@ -65,6 +67,8 @@ def _line_html(span: Span, label: str, color: str) -> str:
 def lag(line: str, cell: str, local_ns: dict[str, Any]) -> None:
     """Compile a model, and show its equations and its motion."""
     options = parse_argstring(lag, line)
+    if not options.name.isidentifier() or iskeyword(options.name):
+        raise UsageError(f"`{options.name}` is no name of Python for the model")
     found = loads(cell, f"<{options.name}>")
     faults = found.check()
     if faults:

@@ -180,6 +180,8 @@ def run(options: argparse.Namespace) -> int:
         raise Usage("--events needs --target c")
     if not options.output:
         raise Usage("-o needs the name of a folder")
+    if options.output.endswith(".fmu"):
+        raise Usage(f"-o names the folder, not the file: `{options.output}`")
     if file := no_folder(options.output):
         raise Usage(f"`{file}` is no folder: -o needs the name of a folder")
     # Nothing is written before all code exists and no file that the model reads would be replaced.

@@ -66,6 +66,10 @@ def run(options: argparse.Namespace) -> int:
     # A word with `=` gives a value, one without is the name of a parameter to find.
     vary = [name.strip() for word in options.parameters if "=" not in word for name in split(word)]
     options.parameters = [word for word in options.parameters if "=" in word]
+    if options.parameters and not vary:
+        word = options.parameters[0]
+        name = word.partition("=")[0].strip()
+        raise Usage(f"no parameter is to be found: `-p {word}` says where its search begins; add `-p {name}`")
     confidence = quantity(options.confidence, "", "--confidence") or 0.0
     if not 0.0 < confidence < 1.0:
         raise Usage(f"`--confidence {options.confidence}` is not between 0 and 1")

@@ -60,7 +60,10 @@ class Unwritten(Exception):
 
 def cannot_write(path: str, error: OSError) -> Usage | Unwritten:
     """Return the error for a `path` that cannot be written: wrong path (Usage) or full disk (Unwritten)."""
-    message = f"`{path}` cannot be written: {error.strerror or error}"
+    from lagc.host.atomic_write import obstacle
+
+    reason = obstacle(path) if error.errno == errno.ENOENT else ""
+    message = f"`{path}` cannot be written: {reason or error.strerror or error}"
     return Usage(message) if error.errno in _WRONG_PATH else Unwritten(message)
 
 

@@ -53,3 +53,5 @@ def test_refused_is_shown_by_its_faults_and_options_are_explained(shell: Any) ->
     assert not done and "<b>error" in shown["text/html"]
     done, outputs, printed = cell(shell, f"%%lag m --stop soon\n{PENDULUM}")
     assert not done and not outputs and "--stop" in printed
+    done, outputs, printed = cell(shell, f"%%lag 2nd\n{PENDULUM}")
+    assert not done and not outputs and "`2nd` is no name of Python" in printed

@@ -113,6 +113,7 @@ def test_fmi2_counts_from_one() -> None:
         (["--real", "float"], "--real needs --target c"),
         (["--derivatives"], "leave --derivatives out"),
         (["--events"], "--events needs --target c"),
+        (["-o", "pendulum.fmu"], "-o names the folder"),
     ],
 )
 def test_wrong_usage(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:

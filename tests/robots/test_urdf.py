@@ -149,6 +149,8 @@ def test_names_and_formatting(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert main(["import", str(tmp_path / "robot.urdf"), "-o", str(made)]) == 0
     assert main(["import", str(tmp_path / "robot.urdf"), "-o", str(made)]) == 2
     assert "--force" in capsys.readouterr().err
+    assert main(["import", str(tmp_path / "robot.urdf"), "-o", str(tmp_path / "far" / "robot.lag")]) == 2
+    assert "there is no folder" in capsys.readouterr().err
     assert main(["fmt", "--check", str(made)]) == 0 and main(["check", str(made)]) == 0
     assert "body left_wheel_body" in made.read_text() and "joint end_joint" in made.read_text()
 

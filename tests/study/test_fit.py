@@ -193,6 +193,11 @@ def test_the_command_reads_units_and_gaps(tmp_path: Path, capsys: pytest.Capture
     path.write_text("time,place\n0,1\n1,x\n")
     assert main(["fit", str(tmp_path / "spring.lag"), str(path), "-p", "k", "x=place"]) == 2
     assert "not a number" in capsys.readouterr().err
+    path.write_text("time,place\n-1,1\n0,2\n")
+    assert main(["fit", str(tmp_path / "spring.lag"), str(path), "-p", "k", "x=place"]) == 2
+    assert "the column `time` has the time -1 s" in capsys.readouterr().err
+    assert main(["fit", str(tmp_path / "spring.lag"), str(path), "-p", "k=5", "x=place"]) == 2
+    assert "add `-p k`" in capsys.readouterr().err
 
 
 @pytest.mark.full

@@ -300,6 +300,9 @@ def _frame_of(value: Value, written: tree.Expression) -> Frame:
     if isinstance(value, Body):
         message += " without a frame"
         remedy = "write `body b = Solid(mass = m, inertia = {I1, I2, I3}, frame = F, com = P);`"
+    elif isinstance(value, Scalar):
+        angle = written.span.text
+        remedy = f"if this is an angle, write `on rotate_y(world, {angle})` for the frame that it turns"
     raise Wrong("LAG0221", message, written.span, remedy)
 
 
