@@ -79,7 +79,9 @@ def test_what_is_zero_but_for_rounding_is_no_motion(make: Callable[[Random], Pai
         assert true <= run.estimated / 0.7 + 1e-10
         moved = abs(run["x"]).max()
         assert moved < 1e-12
-        assert moved == 0.0 or any("only by round-off" in note and "`x`" in note for note in run.to_dict()["notes"])
+        assert moved == 0.0 or any(
+            "only by round-off" in note and "`x`" in note for note in run.to_dict()["notes"]
+        )
         dear.append(run.cost.rhs > 3 * alone.simulate(3.0, accuracy=accuracy, points=31).cost.rhs)
     assert 2 * sum(dear) <= len(dear)  # round-off that happens to cancel at a state costs steps
 
