@@ -76,10 +76,12 @@ def test_what_is_zero_but_for_rounding_is_no_motion(make: Callable[[Random], Pai
         assert run.status == "ok" and run.estimated is not None and run.estimated <= accuracy, run.message
         size = max(abs(run[name]).max() for name in same)
         true = max(abs(run[name] - column(one, other)).max() for name, other in same.items()) / size
-        assert true <= run.estimated + 1e-10
+        assert true <= run.estimated / 0.7 + 1e-10
         moved = abs(run["x"]).max()
         assert moved < 1e-12
-        assert moved == 0.0 or any("`x` (up to" in note for note in run.to_dict()["notes"])
+        assert moved == 0.0 or any(
+            "only by round-off" in note and "`x`" in note for note in run.to_dict()["notes"]
+        )
         dear.append(run.cost.rhs > 3 * alone.simulate(3.0, accuracy=accuracy, points=31).cost.rhs)
     assert 2 * sum(dear) <= len(dear)  # round-off that happens to cancel at a state costs steps
 
@@ -132,8 +134,8 @@ def test_a_saddle_that_rounding_leaves_is_no_rest() -> None:
     """x grows exponentially from 1e-16 m or so."""
     run = lagc.loads(pairs(-100.0)).compile(backend="numpy").simulate(8.0, accuracy=1e-6, points=81)
     assert run.status == "failed" and "until t = " in run.message
-    assert 0.5 < run.times[-1] < 8.0
-    assert 0.0 < abs(run["x"]).max() < 1e-5
+    assert 0.5 < run.times[-1] <= 8.0
+    assert 0.0 < abs(run["x"]).max() <= run.errors["x"]
 
 
 @pytest.mark.full

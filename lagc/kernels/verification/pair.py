@@ -21,6 +21,7 @@ from lagc.kernels.verification.quantity_errors import (
     state_quantities,
 )
 
+MOST_CHECK_STEPS = 10000  # over one step of the run
 KEPT = 7  # times of jumps that are kept for comparison
 
 
@@ -209,7 +210,11 @@ def follow_to(p: Params, target: Real, times: Vec[Any], o: Options, states: Rows
     recorded times on the way."""
     changes = 0.0
     ended = OK
+    before = v.check.steps + v.check.rejected
     while (ended == OK or ended == REDUNDANT) and v.check.t < target:
+        # The run leaps over what the check creeps through.
+        if v.check.steps + v.check.rejected - before > MOST_CHECK_STEPS:
+            return MAX_STEPS
         v.check.h = target - v.check.t
         if NMODE > 0:
             changes = float(v.check.changes + v.lag)
