@@ -58,6 +58,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--events", action="store_true", help="add functions of events for integrators of your own, in C"
     )
     parser.add_argument(
+        "--verified",
+        action="store_true",
+        help="add the run to a global accuracy that returns its error, in C",
+    )
+    parser.add_argument(
         "--method",
         metavar="NAME,...",
         default=DEFAULT_METHOD,
@@ -91,8 +96,11 @@ def check_c_options(options: argparse.Namespace) -> None:
             raise Usage(f"{name} needs --target c")
     if options.version and not options.cmake:
         raise Usage("--version needs --cmake")
-    if options.only and options.events:
-        raise Usage("--only leaves out what integrates, which --events is for: give one of them")
+    for name, given in (("--events", options.events), ("--verified", options.verified)):
+        if given and options.target != "c":
+            raise Usage(f"{name} needs --target c")
+        if given and options.only:
+            raise Usage(f"--only leaves out what integrates, which {name} is for: give one of them")
 
 
 def check_only(program: Program, names: Sequence[str]) -> None:
@@ -144,7 +152,8 @@ def generated(options: argparse.Namespace, compilation: Compilation) -> tuple[In
             return fmu(compilation, FMUS[options.target], options.method, places)
         except CannotCompile as error:
             raise Usage(f"{error}; --no-binaries writes an FMU of sources alone") from None
-    program = pipeline.delivered(compilation, options.derivatives, options.method, options.events)
+    program = pipeline.delivered(compilation, options.derivatives, options.method, options.events,
+                                 verified=options.verified)  # fmt: skip
     check_only(program, options.only)
     texts = stages.render(program, options.target, real=options.real, only=options.only)
     if options.cmake:
@@ -176,8 +185,6 @@ def run(options: argparse.Namespace) -> int:
     if options.real != "double" and options.target != "c":
         raise Usage("--real needs --target c")
     check_c_options(options)
-    if options.events and options.target != "c":
-        raise Usage("--events needs --target c")
     if not options.output:
         raise Usage("-o needs the name of a folder")
     if options.output.endswith(".fmu"):

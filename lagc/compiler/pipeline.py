@@ -253,11 +253,11 @@ def program(
 
 def delivered(
     compilation: Compilation, differentiate: bool, methods: Sequence[str] = EXPLICIT, events: bool = False,
-    directional: bool = False,
+    directional: bool = False, verified: bool = False,
 ) -> Program:  # fmt: skip
     """Return the program of a compilation for generated code; the given values are its defaults. It has these
-    methods of integration, and with `events` functions for integrators of the caller. `directional`:
-    its derivatives are those along directions."""
+    methods of integration, with `events` functions for integrators of the caller, with `verified` the
+    run that returns its error. `directional`: its derivatives are those along directions."""
     from lagc.simulation.request import bound_parameters
 
     for method in methods:
@@ -279,7 +279,7 @@ def delivered(
     fields = [replace(f, value=v) for f, v in zip((*interface.parameters, *interface.inputs), values)]
     n = len(interface.parameters)
     bound = replace(interface, parameters=tuple(fields[:n]), inputs=tuple(fields[n:]), methods=tuple(methods),
-                    events=events)  # fmt: skip
+                    events=events, verified=verified)  # fmt: skip
     return replace(found, interface=bound)
 
 

@@ -248,6 +248,7 @@ class Interface:
     part_columns: tuple[int, ...] = ()  # of an unknown, or behind these of a sum
     methods: tuple[str, ...] = ()  # of integration that generated code has; none: all that it can have
     events: bool = False  # generated code has functions for integrators of the caller
+    verified: bool = False  # generated C has the run that returns its error
     series: tuple[int, int, int, int, int] = (0, 0, 0, 0, 0)  # see `lagc.lowering.series.counts`
     scales: dict[str, float] = field(default_factory=dict)  # that quantities are declared with
     # places of their entries

@@ -95,7 +95,6 @@ def test_the_program_calls_every_public_function(tmp_path: Path) -> None:
         "four_bar_measures",
         "four_bar_check",
         "four_bar_status_text",
-        "four_bar_verified",
         "four_bar_displace",
         "four_bar_gaps",
         "four_bar_hold",

@@ -63,7 +63,7 @@ def printed(program: str, folder: Path, real: str = "double") -> list[str]:
     """What a program of the documentation prints."""
     (folder / "cart_pole.lag").write_text(block("modelica"))
     model = str(folder / "cart_pole.lag")
-    options = f"--target c --method dop853,rk4 --real {real} -q"
+    options = f"--target c --method dop853,rk4 --real {real} --verified -q"
     assert main(["build", model, *options.split(), "-o", str(folder)]) == 0
     (folder / "controller.c").write_text(program)
     strict = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"]

@@ -113,7 +113,7 @@ _SIZES = {
     "NX": "state x = (q, v, z)", "NC": "constraint equations, multipliers lambda",
     "NH": "holonomic ones, the first of these", "NP": "parameters and inputs",
     "NGROUP": "scaling groups: coordinates, or speeds, of one unit", "NWORK": "entries of the sparse factors",
-    "NY": "outputs y", "NQUANTITY": "compared by lagc_verified: q, v, y, discrete variables",
+    "NY": "outputs y",
     "NQUAT": "unit quaternions in q",
 }  # fmt: skip
 _DISCRETE = {
@@ -136,6 +136,7 @@ enum { /* what a contact did at an event: contact_kinds of the state; 0: nothing
 };
 
 """
+_VERIFIED = {"NQUANTITY": "compared by lagc_verified: q, v, y, discrete variables"}
 _FREE = {"NFREE": "event indicators that depend on the state"}
 _PREPARED = {"NPREPARED": "numbers that lagc_bind computes from the parameters"}
 _LIMITED = {"NLIMITS": "bounded values computed from parameters"}
@@ -160,6 +161,7 @@ def sizes(interface: Interface) -> list[tuple[str, int, str]]:
         **_SIZES,
         **discrete,
         **(_CONTACTS if interface.contacts else {}),
+        **(_VERIFIED if interface.verified else {}),
         **(_FREE if interface.events else {}),
         **prepared,
         **limited,

@@ -24,6 +24,7 @@ from lagc.lowering.program import Interface, Program
 # Public kernels of every model; a run of lagc does the last ones itself.
 ROOTS = ("begin", "step", "dense", "advance", "record", "verified", "check")
 EMBEDDED = ("check",)  # of these the kernels that a run of lagc does itself
+ASKED = ("verified",)  # of these the kernels that other code has with `verified`
 CALLED = ("system_at", "assemble_at", "solve_at", "assemble_slopes")  # by public functions, as the rates
 ALWAYS = ("default_params", "bind")  # functions of code that evaluates only
 READ = ("Options", "State", "Work")  # structs whose members callers read
@@ -72,7 +73,8 @@ class Runtime:
         interface, kept = program.interface, {*only, *ALWAYS}
         direct = [f for f in public_functions(program, real) if not only or f.name in kept]
         self.searches = complete and interface.needs_consistency
-        roots = [] if only else [name for name in ROOTS if complete or name not in EMBEDDED]
+        left_out = (() if interface.verified else ASKED) if complete else EMBEDDED
+        roots = [] if only else [name for name in ROOTS if name not in left_out]
         roots += [
             name
             for name, has in evaluating_kernels(interface, complete).items()
