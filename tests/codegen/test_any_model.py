@@ -25,7 +25,7 @@ MODELS = ["course/simple_pendulum", "classic/four_bar", "contact/bouncing_ball",
 EVERYWHERE = {
     "advance", "begin", "bind", "check", "consistent", "constraints", "default_options", "default_params",
     "dense", "displace", "energies", "gaps", "hold", "members", "outputs", "params_size", "record", "rhs",
-    "seated", "start", "state_size", "status_text", "step", "verified", "work_size",
+    "seated", "start", "state_size", "status_text", "step", "work_size",
 }  # fmt: skip
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from lagc.base.records import replace
 from lagc.codegen.c.emit import render
 from lagc.codegen.identifiers import prefix
 from lagc.codegen.kernel_compiler.library import library
@@ -55,6 +56,7 @@ def test_docs_name_what_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
     assert f"--method {'|'.join(METHODS)}`" in commands
     generated = (DOCS / "reference" / "c-interface.md").read_text(encoding="utf-8")
     program = of_model("course/string_pendulum", derivatives=True)
+    program = replace(program, interface=replace(program.interface, events=True, verified=True))
     written = render(program)
     header = next(text for name, text in written.items() if name.endswith(".h"))
     own = prefix(program.interface.model)

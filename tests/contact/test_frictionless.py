@@ -255,7 +255,7 @@ def _names_of_contacts() -> tuple[set[str], set[str]]:
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)
     }
     others = {  # kernels that stand for one of the same name without contacts
-        "rates_at", "put_on_constraints", "pass_event"
+        "rates_at", "put_on_constraints", "pass_event", "seated"
     }  # fmt: skip
     inner = {"ContactLaw", "ContactWork", "SettlingWork", "contact_law", "contact_work", "settling_work"}
     return kernels - others, fields | inner

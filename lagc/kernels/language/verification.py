@@ -57,6 +57,7 @@ class Verification:
     roundoff: Vec[NX]  # of the rates of speeds
     rate: Vec[NX]  # accelerations at the last comparison
     varies: IVec[NX]  # 1: this acceleration changes
+    wider_change: Vec[NQUANTITY]  # of an output, under a wider change of the state
     start: Vec[NX]
     known: IVec[NX]  # 1: the two runs have agreed on a digit of the state
     begin_time: Real

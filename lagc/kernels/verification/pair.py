@@ -58,6 +58,7 @@ def begin_attempt(p: Params, x0: Vec[NX], begin_time: Real, o: Options, r: Repor
         v.gap[i] = 0.0
         v.scale[i] = 0.0
         v.terms[i] = 0.0
+        v.wider_change[i] = 0.0
     for i in range(NQ + NV):
         v.roundoff[i] = 0.0
         v.start[i] = x0[i]

@@ -23,6 +23,8 @@ CONSTANT = 1e-9  # of its terms: range of a quantity that does not move
 SURELY_MOVES = 1e-3
 BY_CHANCE = 20.0  # differences of the two runs: range of a quantity that only errors move
 OFFSET = by_type(2.4e-4, 1.5e-8, "1e-17")  # relative change of a state that shows the terms of outputs
+WIDER = by_type(64.0, 1e3, "1e3")  # ratio of a second one, by which terms, but no round-off, change more
+AT_RANDOM = 16.0  # ratio of changes that are all round-off
 STEADY = 1e-6  # relative: change of an acceleration that stays the same
 SEVERAL = 3.0  # factor on the round-off of rates at a few states
 
@@ -59,19 +61,34 @@ def compare_quantities(v: Verification) -> None:
             v.high[i] = v.of_run[i]
 
 
+def observe_offset(p: Params, offset: Real, v: Verification) -> None:
+    """Set v.of_check to the quantities at the state of the run, changed relatively by `offset`."""
+    v.x[:] = v.run.x
+    for i in range(NQ + NV):
+        v.x[i] *= 1.0 + (offset if i % 2 == 1 else -offset)
+    state_quantities(p, v.run.t, v.x, v.of_check, v.check_work)
+
+
 def measure_terms(p: Params, v: Verification) -> None:
     """Enlarge the terms of the outputs to their change under a small relative change of the state: the sum of
     the magnitudes of what an output is made of, which bounds its round-off (J. Vignes, Math. Comput. Simul.
-    35, 1993)."""
-    v.x[:] = v.run.x
-    for i in range(NQ + NV):
-        v.x[i] *= 1.0 + (OFFSET if i % 2 == 1 else -OFFSET)
+    35, 1993).  Where values are as small as these changes, measure those under a wider change
+    too."""
     state_quantities(p, v.run.t, v.run.x, v.of_run, v.check_work)
-    state_quantities(p, v.run.t, v.x, v.of_check, v.check_work)
+    observe_offset(p, OFFSET, v)
+    doubtful = 0
     for i in range(NQ + NV, NQ + NV + NY):
         term = fabs(v.of_run[i] - v.of_check[i]) / OFFSET
         if term > v.terms[i] and term < inf:
             v.terms[i] = term
+        if v.of_run[i] != 0.0 and fabs(v.of_run[i]) <= AT_RANDOM * OFFSET * v.terms[i]:
+            doubtful = 1
+    if doubtful == 1:
+        observe_offset(p, WIDER * OFFSET, v)
+        for i in range(NQ + NV, NQ + NV + NY):
+            change = fabs(v.of_run[i] - v.of_check[i])
+            if change > v.wider_change[i]:
+                v.wider_change[i] = change
 
 
 def measure_roundoff(p: Params, v: Verification) -> None:
@@ -149,6 +166,11 @@ def scale_of(i: Size, group: Real, accuracy: Real, underway: bool, scales: Vec[N
             return scales[i]
     if largest == 0.0 and v.gap[i] == 0.0:
         return 0.0
+    if NY > 0:
+        # Round-off alone: values are as small as the changes, which do not grow with those of the state.
+        random = AT_RANDOM * OFFSET * v.terms[i]
+        if i >= NQ + NV and i < NQ + NV + NY and largest <= random and v.wider_change[i] <= random:
+            return 0.0
     if scale <= CONSTANT * size or (scale <= SURELY_MOVES * size and scale <= BY_CHANCE * v.gap[i]):
         scale = group if largest <= noise else size
         v.constant[i] = 1
