@@ -41,8 +41,8 @@ Evaluate: TypeAlias = "Callable[[Sequence[float]], Evaluated | None]"
 
 @dataclass(frozen=True)
 class Measured:
-    """Measured values of a quantity over time, in SI units; `column` is their name in the data, of which
-    `gaps` further rows have no value or no time."""
+    """Measured values of a quantity over time, in SI units; `column` is their name in the data.  `gaps`
+    further rows have no value or no time."""
 
     quantity: str
     column: str
