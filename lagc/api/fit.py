@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from itertools import zip_longest
 from math import isfinite, nan
 from typing import TYPE_CHECKING, Any
 
@@ -173,7 +174,8 @@ def measured_values(
 
     from lagc.study.fit import Measured
 
-    table = read_columns(os.fspath(data)) if isinstance(data, str | os.PathLike) else dict(data)
+    file = os.fspath(data) if isinstance(data, str | os.PathLike) else ""
+    table, places = read_columns(file) if file else (dict(data), ())
     # By the name without a unit, so that `angle` finds the column `angle [deg]`.
     heads = {name_and_unit(str(name))[0]: (str(name), name_and_unit(str(name))[1]) for name in table}
     asked = dict(columns)
@@ -189,7 +191,7 @@ def measured_values(
         head, written = heads[name]
         # A unit that is asked for comes before that of the header.
         unit, faults = unit or written, list[Fault]()
-        numbers = [reading(name, value) for value in table[head]]
+        numbers = [reading(name, *read) for read in zip_longest(table[head], places, fillvalue="")]
         found = [si(quantity, Quantity(v, unit), own, faults) if isfinite(v) else nan for v in numbers]
         if faults:
             raise Refused(faults[:1])
@@ -208,6 +210,8 @@ def measured_values(
         kept = np.isfinite(times) & np.isfinite(values)
         order = np.argsort(times[kept], kind="stable")
         if not len(order):
-            raise Refused([Fault("LAG0602", f"the column `{name}` has no numbers")])
-        result.append(Measured(quantity, name, own, times[kept][order], values[kept][order]))
+            message = f"the column `{name}` has no numbers"
+            raise Refused([Fault("LAG0602", f"`{file}`: {message}" if file else message)])
+        gaps = len(kept) - len(order)
+        result.append(Measured(quantity, name, own, times[kept][order], values[kept][order], gaps))
     return tuple(result)

@@ -1,6 +1,6 @@
 """Models in notebooks: `%load_ext lagc` brings cells with the text of a model, and marks lines with faults.
 
-    %%lag pendulum --scene room --stop 20
+    %%lag pendulum --scene room -p l=0.7 --stop 20
     model Pendulum ... end Pendulum;
 
 The name is bound to the compiled model, and its equations are shown; with `--stop`, `pendulum_run` to a run.
@@ -8,6 +8,7 @@ The name is bound to the compiled model, and its equations are shown; with `--st
 
 from __future__ import annotations
 
+from argparse import ArgumentTypeError
 from collections.abc import Iterable
 from html import escape
 from keyword import iskeyword
@@ -19,6 +20,9 @@ from IPython.core.magic_arguments import argument, magic_arguments, parse_argstr
 from IPython.display import display
 
 from lagc.api import loads
+from lagc.api.columns import name_and_unit
+from lagc.api.values import real
+from lagc.base.text import Quantity
 from lagc.diagnostics.faults import Fault, Refused, Span
 
 _COLORS = {"error": "#d33", "warning": "#d90"}
@@ -57,11 +61,23 @@ def _line_html(span: Span, label: str, color: str) -> str:
     return f'<pre style="margin: 2px 0">{span.line:4} | {before}{mark}{after}{note}</pre>'
 
 
+def _assignment(word: str) -> tuple[str, Quantity]:
+    """Return the name and the value of `l=0.7` or `l=70[cm]`."""
+    name, _, value = word.partition("=")
+    number, unit = name_and_unit(value)
+    try:
+        return name.strip(), Quantity(real(name, number), unit)
+    except ValueError:
+        raise ArgumentTypeError(f"`{word}` is not of the form name=value or name=value[unit]") from None
+
+
 @needs_local_scope
 @magic_arguments()
 @argument("name", nargs="?", default="model", help="the name for the compiled model")
 @argument("--scene", help="the scene; default: the first of the text")
 @argument("--model", help="the model, if the text has several")
+@argument("-p", "--parameter", type=_assignment, action="append", default=[], metavar="NAME=VALUE[UNIT]",
+          help="a parameter of the compiled model; may be repeated")  # fmt: skip
 @argument("--stop", type=float, help="simulate up to this time in s; the run is NAME_run")
 @argument("--accuracy", type=float, help="the global relative error of the run; default: 1e-6")
 def lag(line: str, cell: str, local_ns: dict[str, Any]) -> None:
@@ -75,7 +91,9 @@ def lag(line: str, cell: str, local_ns: dict[str, Any]) -> None:
         display(Faults(faults))
     if any(fault.severity == "error" for fault in faults):
         return
-    model = local_ns[options.name] = found.compile(options.scene, model=options.model)
+    model = local_ns[options.name] = found.compile(
+        options.scene, model=options.model, parameters=dict(options.parameter)
+    )
     display(model)
     if options.stop is not None:
         run = local_ns[f"{options.name}_run"] = model.simulate(options.stop, accuracy=options.accuracy)

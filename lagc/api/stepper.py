@@ -156,13 +156,17 @@ class Stepper:
         return float(self._memory.p[k])
 
     def __setitem__(self, name: str, value: float) -> None:
-        """Set a parameter or an input, to a number in SI units.  Raises KeyError, ValueError if the value is
-        out of its bounds."""
+        """Set a parameter or an input, to a number in SI units.  Raises KeyError, TypeError if the value is
+        not a number, ValueError if it is out of its bounds."""
         k = self._fields.get(name)
         if k is None:
             raise self._unknown(name, self._fields, "parameter or input")
         low, high = self._bounds[k]
-        if not (low <= value <= high and isfinite(value)):
+        try:
+            valid = low <= value <= high and isfinite(value)
+        except TypeError:
+            raise TypeError(f"`{name}` must be a number, not {value!r}") from None
+        if not valid:
             raise ValueError(f"`{name}` must be from {low:g} to {high:g}, not {value!r}")
         self._memory.p[k] = value
         if k < self._inputs_from:

@@ -220,9 +220,10 @@ def axes_in(path: str) -> dict[str, Values | Distribution]:
     from lagc.study.sweep.plan import Values
 
     found: dict[str, Values | Distribution] = {}
-    for head, column in read_columns(path).items():
+    columns, places = read_columns(path)
+    for head, column in columns.items():
         name, unit = name_and_unit(head)
-        found[name] = Values([reading(name, value) for value in column], unit)
+        found[name] = Values([reading(name, *read) for read in zip(column, places)], unit)
     return found
 
 

@@ -63,9 +63,10 @@ def run(options: argparse.Namespace) -> int:
     if options.plot == "":
         raise Usage("`--plot` needs a file")
     check_picture(options)
-    # A word with `=` gives a value, one without is the name of a parameter to find.
-    vary = [name.strip() for word in options.parameters if "=" not in word for name in split(word)]
-    options.parameters = [word for word in options.parameters if "=" in word]
+    # A word with `=` gives a value, one without is the name of a parameter to find; both may be in a list.
+    given = [part.strip() for word in options.parameters for part in split(word)]
+    vary = [word for word in given if "=" not in word]
+    options.parameters = [word for word in given if "=" in word]
     if options.parameters and not vary:
         word = options.parameters[0]
         name = word.partition("=")[0].strip()

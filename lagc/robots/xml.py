@@ -98,7 +98,7 @@ def parse(source: Source) -> Element:
     try:
         parser.Parse(data, True)
     except expat.ExpatError as error:
-        start = place(parser.ErrorByteIndex)
+        start = place(max(parser.ErrorByteIndex, 0))  # -1 in an empty text
         span = Span(source, start, min(start + 1, len(source.text)))
         message = f"this is no XML: {expat.ErrorString(error.code)}"
         raise Refused([Fault("LAG0707", message, span)]) from None

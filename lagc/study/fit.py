@@ -41,13 +41,15 @@ Evaluate: TypeAlias = "Callable[[Sequence[float]], Evaluated | None]"
 
 @dataclass(frozen=True)
 class Measured:
-    """Measured values of a quantity over time, in SI units; `column` is their name in the data."""
+    """Measured values of a quantity over time, in SI units; `column` is their name in the data.  `gaps`
+    further rows have no value or no time."""
 
     quantity: str
     column: str
     unit: str
     times: Array
     values: Array
+    gaps: int = 0
 
 
 @dataclass(frozen=True)
@@ -232,6 +234,9 @@ def _notes(found: Fit, least: Sequence[float], sums: Array) -> list[str]:
             both = f"`{names[i]}` and `{names[j]}` are correlated ({share:+.4f})"
             notes.append(f"{both}: a change of one makes up for a change of the other")
     for m, low, total in zip(found.measured, least, sums):
+        if m.gaps:
+            rows = m.gaps + len(m.values)
+            notes.append(f"{m.gaps} of {rows} rows have no value of `{m.column}` or no time")
         r = found.residuals[m.quantity]
         if sqrt(total / len(r)) <= 10.0 * low:
             notes.append(

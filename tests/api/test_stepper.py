@@ -168,6 +168,8 @@ def test_values_that_are_refused() -> None:
     for wrong in (math.nan, math.inf, 11.0):
         with pytest.raises(ValueError, match="`u` must be from -10 to 10"):
             s.advance(0.1, u=wrong)
+    with pytest.raises(TypeError, match="`u` must be a number, not '1'"):
+        s.advance(0.1, u="1")  # type: ignore[arg-type]
     with pytest.raises(KeyError, match="theta"):
         s["thata"]
     with pytest.raises(KeyError, match="parameter or input"):

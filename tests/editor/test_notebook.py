@@ -35,6 +35,13 @@ def test_a_cell_binds_a_model_and_shows_its_equations_and_motion(shell: Any) -> 
     assert shell.user_ns["pendulum_run"].status == "ok"
 
 
+def test_a_cell_changes_parameters(shell: Any) -> None:
+    done, _, _ = cell(shell, f"%%lag pendulum -p l=70[cm] -p m=2\n{PENDULUM}")
+    assert done and shell.user_ns["pendulum"].stepper()["l"] == 0.7
+    done, outputs, printed = cell(shell, f"%%lag pendulum -p l\n{PENDULUM}")
+    assert not done and not outputs and "`l` is not of the form name=value" in printed
+
+
 def test_faults_are_shown_with_the_line_marked(shell: Any) -> None:
     done, (shown,), _ = cell(shell, "%%lag wrong\n" + PENDULUM.replace("sin(theta)", "sin(<b>)"))
     assert done and "wrong" not in shell.user_ns

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import lagc
+from lagc.api.fit import measured_values
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
 from lagc.reports.fit import rounded, text
@@ -171,6 +172,23 @@ def test_a_fit_that_is_wrong_is_refused(
     assert refused.value.code == code
 
 
+def table(path: Path, text: str) -> str:
+    path.write_text(text)
+    return str(path)
+
+
+@pytest.mark.parametrize(
+    "text, said",
+    [("t,x\n0,1\n\n1,abc\n", "line 4: the column `x` has 'abc'"),
+     ("t,x\n0,\n1,\n", "data.csv`: the column `x`"),
+     ("t;x\n0,5;1\n", "separate columns by commas"), ("t,x\n\n0\n", "line 3: 1 values for 2 columns")],
+)  # fmt: skip
+def test_a_file_that_is_wrong_is_named_with_its_line(tmp_path: Path, text: str, said: str) -> None:
+    with pytest.raises(Refused) as refused:
+        measured_values(table(tmp_path / "data.csv", text), {"x": "x"}, lambda _: "m")
+    assert "data.csv" in str(refused.value) and said in str(refused.value)
+
+
 @pytest.mark.full
 def test_the_command_reads_units_and_gaps(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "spring.lag").write_text(SPRING)
@@ -181,13 +199,15 @@ def test_the_command_reads_units_and_gaps(tmp_path: Path, capsys: pytest.Capture
     )
     words = ["fit", str(tmp_path / "spring.lag"), str(path), "-p", "k, start(x)", "time=clock", "x=place"]
     words += ["--backend", "numpy"]
-    assert main([*words, "-p", "k=5", "--json"]) == 0
+    assert main([*words, "-p", "k=5,m=1", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     k, x = told["parameters"]
     assert k["name"] == "k" and k["begin"] == 5.0 and abs(k["value"] - 6.0) < 2.0 * k["interval"] < 0.2
     assert x["unit"] == "m" and told["residuals"][0]["points"] == 41
     assert main([*words, "der(x)=speed", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["residuals"][1]["points"] == 9
+    told = json.loads(capsys.readouterr().out)
+    assert told["residuals"][1]["points"] == 9
+    assert "32 of 41 rows have no value of `speed` or no time" in told["notes"]
     assert main([*words, "-p", "m"]) == 3  # not determined
     assert "cannot be separated" in capsys.readouterr().out
     path.write_text("time,place\n0,1\n1,x\n")

@@ -257,9 +257,17 @@ def load_target(w: Where) -> Explained | None:
     example = "force F = vector at point;" if kind == "force" else "torque M = vector on body;"
     other = w.token.text in ("at", "on")
     remedy = f"write `{needed}`" if other else None
-    if kind == "force" and any(token.text == "on" for token in w.tokens[w.begin : w.position]):
+    on = next((k for k in range(w.begin, w.position) if w.tokens[k].text == "on"), None)
+    if kind == "force" and on is not None:
+        target = w.span(w.tokens[on + 1], w.before).text
+        quantity = _coordinates(w).get(w.tokens[on + 1].text)
         # A force on a body also needs its point; the name after `on` is taken for the body.
-        remedy = f"write `at {w.before.text}`, or `on {w.before.text} at P` for a point P of the body"
+        remedy = f"write `at {target}`, or `on {target} at P` for a point P of the body"
+        if quantity == "Angle":
+            value = w.span(w.tokens[w.begin + 1], w.tokens[on]).text
+            remedy = f"write `torque {value} rotate_y(world, {target})` for the frame that the angle turns"
+        elif quantity is not None:
+            remedy = f"`{target}` is a coordinate: write `at` and a body or a point that it moves"
     elif remedy is None:
         # A body of the file itself is the best example of a place.
         pairs, words = pairwise(w.tokens), ("body", "Particle", "Solid")
@@ -268,6 +276,19 @@ def load_target(w: Where) -> Explained | None:
         remedy = f"write `{written} {needed} {place};`"
     repair = w.replace(needed) if other else None
     return explained("LAG0127", f"{shown}: `{example}`", w.span(w.token), remedy, repair)
+
+
+def _coordinates(w: Where) -> dict[str, str]:
+    """Return the type of each coordinate of the text by its name."""
+    found, kind = dict[str, str](), ""
+    for before, token in pairwise(w.tokens):
+        if before.text == "coordinate":
+            kind = token.text
+        elif token.text == ";":
+            kind = ""
+        elif kind and token.kind == WORD and (before.text in (kind, ",") or before.kind == UNIT):
+            found[token.text] = kind
+    return found
 
 
 def load_target_first(w: Where) -> Explained | None:
