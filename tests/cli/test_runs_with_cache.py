@@ -87,7 +87,7 @@ def names(root: Path) -> list[str]:
 
 
 @pytest.mark.sample(1)
-@pytest.mark.parametrize("kind", ["head", "artifact", "accuracy", "library"])
+@pytest.mark.parametrize("kind", ["head", "artifact", "library"])
 @pytest.mark.parametrize("trial", range(3 * TIMES))
 def test_damaged_entries_change_no_result(
     root: Path, folder: Path, truth: list[list[float]], kind: str, trial: int
@@ -118,7 +118,7 @@ def test_entries_exchanged_are_noticed(root: Path, folder: Path, truth: list[lis
     theirs = [motion(other, backend) for backend in ("numpy", "c")]
     assert theirs[0] == theirs[1] != truth
     second = [name for name in names(root) if name not in first]
-    for kind in ("head", "artifact", "accuracy", "library"):
+    for kind in ("head", "artifact", "library"):
         ours, others = ([root / n for n in ns if n.startswith(kind)] for ns in (first, second))
         assert len(ours) == len(others) > 0
         for one, two in zip(ours, others):
@@ -152,7 +152,7 @@ def test_the_command_tells_of_damage_when_asked(
     damage()
     told, again = said("-v"), said("-v")
     assert before[1] == quiet[1] == ""
-    assert all(f"cache: {kind}-" in told[1] for kind in ("head", "accuracy", "library"))
+    assert all(f"cache: {kind}-" in told[1] for kind in ("head", "library"))
     assert before[0] == told[0] == again[0]
 
 

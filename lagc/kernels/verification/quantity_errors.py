@@ -113,6 +113,19 @@ def measure_roundoff(p: Params, v: Verification) -> None:
         if v.rate[i] < inf and fabs(rates[i] - v.rate[i]) > STEADY * fabs(rates[i]):
             v.varies[i] = 1
         v.rate[i] = rates[i]
+    # Coordinates move by what speeds of this size bring to them.
+    if HAS_DISPLACE:
+        speeds = vector(NV)
+        moved = vector(NQ)
+        for j in range(NV):
+            speeds[j] = v.roundoff[NQ + j]
+        fn_displace(p, v.run.t, v.run.x, speeds, moved)
+        for i in range(NQ):
+            if fabs(moved[i]) > v.roundoff[i]:
+                v.roundoff[i] = fabs(moved[i])
+    else:
+        for i in range(NQ):
+            v.roundoff[i] = v.roundoff[i + NQ]
 
 
 def known_part(method: int) -> Real:
@@ -134,9 +147,8 @@ def roundoff_of(i: Size, v: Verification) -> Real:
     time = SEVERAL * (v.run.t - v.begin_time)
     if i >= NQ and i < NQ + NV:
         return time * v.roundoff[i]
-    if not HAS_DISPLACE:
-        if i < NQ:
-            return time * (v.run.t - v.begin_time) * v.roundoff[i + NQ]
+    if i < NQ:
+        return time * (v.run.t - v.begin_time) * v.roundoff[i]
     return 0.0
 
 
@@ -185,7 +197,7 @@ def scale_of(i: Size, group: Real, accuracy: Real, underway: bool, scales: Vec[N
             v.known[i] = 1
         elif v.known[i] == 0 and v.tolerance <= FINE and largest > roundoff:
             roundoff = largest
-        if v.start[i] == 0.0 and largest <= roundoff and group <= roundoff:
+        if fabs(v.start[i]) <= BY_CHANCE * v.gap[i] and largest <= roundoff and group <= roundoff:
             v.constant[i] = 0
             return 0.0
     if group > scale and largest < SMALL * group and roundoff > accuracy * scale:
