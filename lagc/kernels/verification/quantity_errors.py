@@ -183,7 +183,8 @@ def scale_of(i: Size, group: Real, accuracy: Real, underway: bool, scales: Vec[N
         random = AT_RANDOM * OFFSET * v.terms[i]
         if i >= NQ + NV and i < NQ + NV + NY and largest <= random and v.wider_change[i] <= random:
             return 0.0
-    if scale <= CONSTANT * size or (scale <= SURELY_MOVES * size and scale <= BY_CHANCE * v.gap[i]):
+    by_chance = scale <= BY_CHANCE * v.gap[i] or scale <= SPACING * group
+    if scale <= CONSTANT * size or (scale <= SURELY_MOVES * size and by_chance):
         scale = group if largest <= noise else size
         v.constant[i] = 1
     if NQUAT > 0:
