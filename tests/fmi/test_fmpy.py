@@ -100,7 +100,7 @@ def test_a_wrong_token_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.full
-def test_one_call_or_many_give_the_same_bits(tmp_path: Path) -> None:
+def test_communication_points_change_the_end_by_the_tolerance_alone(tmp_path: Path) -> None:
     """Communication points do not change events, and steps that end at them are as accurate."""
     found = []
     for count in (1, 97):

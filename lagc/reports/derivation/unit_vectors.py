@@ -222,10 +222,3 @@ class UnitVectors:
             return self.writer.polynomials(vector, FEWER)
         except (TooLarge, NotFinite):
             return []
-
-    def are_orthonormal(self, components: Components) -> bool:
-        """Whether the unit vectors of components belong to one frame or one pair u, v."""
-        units = {unit.latex for _, unit in components}
-        families = [{unit.latex for unit in own} for own in self.of_frame.values()]
-        families += [{t.u[1].latex, t.v[1].latex} for t in self.made]
-        return any(units <= family for family in families)
