@@ -218,6 +218,8 @@ def _of_memory(error: BaseException) -> bool:
     """Return whether an error means that memory ran out: for an object, a process or a library."""
     if isinstance(error, ImportError):  # hashlib hides the reason and lacks a name
         return any(words in str(error) for words in ("failed to map", "allocate memory", "from 'hashlib'"))
+    if isinstance(error, ValueError):  # the parser of Python leaves a field of a node empty
+        return " is required for " in str(error)
     return isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno == ENOMEM)
 
 
