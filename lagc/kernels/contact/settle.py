@@ -408,6 +408,8 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
         touched = w.settling.leaves[i] > 0 or s.x[NX - NCON + i] != 0.0
         if touched or w.settling.closed[i] != 0:
             s.touch_times[i] = s.t
+        if NSPACE > 0:
+            s.slips.begins[i] = 1 if w.settling.closed[i] == 1 and s.x[NX - NCON + i] != 1.0 else 0
         s.x[NX - NCON + i] = float(w.settling.closed[i])
         if w.settling.closed[i] != 0:
             s.bounce_speeds[i] = 0.0

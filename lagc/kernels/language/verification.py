@@ -50,7 +50,9 @@ class Verification:
     check: State
     check_work: Work
     p: Params  # of the check
-    gap: Vec[NQUANTITY]  # largest difference of the two runs
+    gap: Vec[NQUANTITY]  # largest difference of the two runs over what is delivered: recorded times, and the end
+    near: Vec[NQUANTITY]  # largest one over the last block
+    apart: Vec[NQUANTITY]  # largest one over the whole motion
     low: Vec[NQUANTITY]  # range of the quantity
     high: Vec[NQUANTITY]
     terms: Vec[NQUANTITY]  # sum of the magnitudes of the terms of an output

@@ -16,6 +16,7 @@ from lagc.kernels.verification.quantity_errors import (
     BLOCK,
     FINER_SERIES,
     compare_quantities,
+    count_near,
     measure_roundoff,
     measure_terms,
     state_quantities,
@@ -56,6 +57,8 @@ def begin_attempt(p: Params, x0: Vec[NX], begin_time: Real, o: Options, r: Repor
     v.high[:] = v.of_run
     for i in range(NQUANTITY):
         v.gap[i] = 0.0
+        v.near[i] = 0.0
+        v.apart[i] = 0.0
         v.scale[i] = 0.0
         v.terms[i] = 0.0
         v.wider_change[i] = 0.0
@@ -185,7 +188,7 @@ def compare_recorded(p: Params, times: Vec[Any], o: Options, states: Rows[NX], o
                     v.of_run[NQ + NV + i] = outputs[v.checked][i]
             for i in range(NDISC):
                 v.of_run[NQ + NV + NY + i] = states[v.checked][NINT + i]
-            compare_quantities(v)
+            compare_quantities(True, v)
         v.checked += 1
     return OK
 
@@ -257,7 +260,7 @@ def compare_ends(p: Params, ended: Status, r: Report, v: Verification) -> None:
             return
     state_quantities(p, v.run.t, v.run.x, v.of_run, v.run_work)
     state_quantities(v.p, v.check.t, v.check.x, v.of_check, v.check_work)
-    compare_quantities(v)
+    compare_quantities(True, v)
 
 
 def check_block(p: Params, times: Vec[Any], n: Length, ended: Status, o: Options, states: Rows[NX],
@@ -265,6 +268,9 @@ def check_block(p: Params, times: Vec[Any], n: Length, ended: Status, o: Options
     """Let the check follow the steps of the run since the last comparison, and compare.  Where a clause has
     ended the run, it ends the check too, at another time, and both ends are compared."""
     last = v.steps_done
+    recorded = v.checked
+    for i in range(NQUANTITY):
+        v.near[i] = 0.0
     final = ended == TERMINATED or not v.run.t < times[n - 1]
     for m in range(last + 1):
         target = v.run.t if m == last else v.check_times[m]
@@ -288,7 +294,9 @@ def check_block(p: Params, times: Vec[Any], n: Length, ended: Status, o: Options
             else:
                 v.of_run[:] = v.before[m]
             state_quantities(v.p, target, v.check.x, v.of_check, v.check_work)
-            compare_quantities(v)
+            compare_quantities(False, v)
+    if v.checked > recorded or final:
+        count_near(v)
     v.steps_done = 0
     v.block_times[0] = v.run.t
     for i in range(NQ + NV):
