@@ -97,7 +97,8 @@ def record_times(p: Params, times: Vec[Any], n: Length, o: Options, states: Rows
         if failed(status):
             return status
         if NY > 0:
-            fn_observe(p, times[r.done], states[r.done], outputs[r.done], v.run_work)
+            if present(outputs):
+                fn_observe(p, times[r.done], states[r.done], outputs[r.done], v.run_work)
         r.done += 1
     return OK
 
@@ -181,11 +182,13 @@ def compare_recorded(p: Params, times: Vec[Any], o: Options, states: Rows[NX], o
             if NMODE > 0:
                 v.check_work.modes[:] = v.check.modes_old
             state_quantities(v.p, t, v.x, v.of_check, v.check_work)
+            v.of_run[:] = v.of_check  # outputs that are not asked for have no error here
             for i in range(NQ + NV):
                 v.of_run[i] = states[v.checked][i]
             if NY > 0:
-                for i in range(NY):
-                    v.of_run[NQ + NV + i] = outputs[v.checked][i]
+                if present(outputs):
+                    for i in range(NY):
+                        v.of_run[NQ + NV + i] = outputs[v.checked][i]
             for i in range(NDISC):
                 v.of_run[NQ + NV + NY + i] = states[v.checked][NINT + i]
             compare_quantities(True, v)

@@ -196,6 +196,7 @@ def scale_of(i: Size, group: Real, accuracy: Real, underway: bool, scales: Vec[N
         # Round-off alone: values are as small as the changes, which do not grow with those of the state.
         random = AT_RANDOM * OFFSET * v.terms[i]
         if i >= NQ + NV and i < NQ + NV + NY and largest <= random and v.wider_change[i] <= random:
+            v.constant[i] = 3
             return 0.0
     by_chance = scale <= BY_CHANCE * v.apart[i] or scale <= SPACING * group
     if scale <= CONSTANT * size or (scale <= SURELY_MOVES * size and by_chance):

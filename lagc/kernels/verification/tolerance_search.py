@@ -27,6 +27,8 @@ PATIENCE = 1.5  # times the time until which the accuracy is met, before the las
 WAIT = 0.1  # and of the whole time
 FAILED_CHANGE = 1e-3  # of the tolerance, after an attempt that an error ended
 MOST_FAILURES = 2
+ROUNDED = by_type(1e-4, 1e-12, "1e-28")  # tolerance below which round-off may be most of an error
+LUCK = 0.4  # of an error that is round-off: a smaller one of another attempt is good luck
 
 
 def gives_up(g: Goal, error: Real, part: Real, last: bool, r: Report, v: Verification) -> bool:
@@ -81,6 +83,25 @@ def run_attempt(p: Params, times: Vec[Any], n: Length, g: Goal, scales: Vec[NQUA
     return OK
 
 
+def remember_roundoff(error: Real, r: Report, v: Verification) -> None:
+    """Keep a part of the error of an attempt that is round-off: it has not fallen as the tolerance did. The
+    error of a later one is another sample of round-off, and may be small by chance."""
+    fall = v.tolerance / v.tolerance_before
+    stays = error * error > fall * v.error_before * v.error_before
+    if r.attempts > 1 and v.tolerance <= ROUNDED and stays and LUCK * error > v.least_error:
+        v.least_error = LUCK * error
+    v.error_before = error
+    v.tolerance_before = v.tolerance
+
+
+def raise_errors(r: Report, v: Verification) -> None:
+    """Raise all errors by the factor by which the largest is below what is known of round-off."""
+    if r.estimated > 0.0 and r.estimated < v.least_error:
+        for i in range(NQUANTITY):
+            v.error[i] *= v.least_error / r.estimated
+        r.estimated = v.least_error
+
+
 def next_tolerance(g: Goal, whole: bool, r: Report, v: Verification) -> None:
     """Set the tolerance of the next attempt by the law of this one."""
     error = r.estimated if whole else v.predicted
@@ -128,6 +149,9 @@ def begin_search(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, o:
     r.attempts = 0
     r.rhs = 0
     v.failures = 0
+    v.error_before = 0.0
+    v.tolerance_before = 1.0
+    v.least_error = 0.0
     v.alone = False
     v.duration = times[n - 1] - times[0]
     v.tolerance = AIM * g.accuracy / g.law if g.law > 0.0 else g.accuracy / PRIOR
@@ -181,6 +205,7 @@ def verified(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, scales
         r.steps = v.run.steps
         r.rtol = v.tolerance
         r.estimated = estimate_errors(scales, g.accuracy, o.method, False, v)
+        raise_errors(r, v)
         whole = v.run.t >= times[n - 1] or status == TERMINATED
         g.law = (r.estimated if whole else v.predicted) / v.tolerance
         if not whole:
@@ -191,6 +216,7 @@ def verified(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, scales
         if last or (whole and r.estimated <= g.accuracy) or (g.most > 0 and r.rhs > g.most):
             return status
         if not lost:
+            remember_roundoff(r.estimated if whole else v.predicted, r, v)
             next_tolerance(g, whole, r, v)
         elif v.failures == MOST_FAILURES:
             return status
