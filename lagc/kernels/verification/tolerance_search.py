@@ -28,7 +28,6 @@ WAIT = 0.1  # and of the whole time
 FAILED_CHANGE = 1e-3  # of the tolerance, after an attempt that an error ended
 MOST_FAILURES = 2
 ROUNDED = by_type(1e-4, 1e-12, "1e-28")  # tolerance below which round-off may be most of an error
-LUCK = 0.4  # of an error that is round-off: a smaller one of another attempt is good luck
 
 
 def gives_up(g: Goal, error: Real, part: Real, last: bool, r: Report, v: Verification) -> bool:
@@ -83,13 +82,13 @@ def run_attempt(p: Params, times: Vec[Any], n: Length, g: Goal, scales: Vec[NQUA
     return OK
 
 
-def remember_roundoff(error: Real, r: Report, v: Verification) -> None:
-    """Keep a part of the error of an attempt that is round-off: it has not fallen as the tolerance did. The
-    error of a later one is another sample of round-off, and may be small by chance."""
+def remember_roundoff(error: Real, reached: Real, r: Report, v: Verification) -> None:
+    """Keep the error `reached` of an attempt that is round-off: its error at the end has not fallen as the
+    tolerance did. That of a later one is another sample of round-off, and may be small by chance."""
     fall = v.tolerance / v.tolerance_before
     stays = error * error > fall * v.error_before * v.error_before
-    if r.attempts > 1 and v.tolerance <= ROUNDED and stays and LUCK * error > v.least_error:
-        v.least_error = LUCK * error
+    if r.attempts > 1 and v.tolerance <= ROUNDED and stays and reached > v.least_error:
+        v.least_error = reached
     v.error_before = error
     v.tolerance_before = v.tolerance
 
@@ -206,6 +205,7 @@ def verified(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, scales
         r.rtol = v.tolerance
         r.estimated = estimate_errors(scales, g.accuracy, o.method, False, v)
         raise_errors(r, v)
+        reached = r.estimated
         whole = v.run.t >= times[n - 1] or status == TERMINATED
         g.law = (r.estimated if whole else v.predicted) / v.tolerance
         if not whole:
@@ -216,7 +216,7 @@ def verified(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, scales
         if last or (whole and r.estimated <= g.accuracy) or (g.most > 0 and r.rhs > g.most):
             return status
         if not lost:
-            remember_roundoff(r.estimated if whole else v.predicted, r, v)
+            remember_roundoff(r.estimated if whole else v.predicted, reached, r, v)
             next_tolerance(g, whole, r, v)
         elif v.failures == MOST_FAILURES:
             return status
