@@ -76,7 +76,8 @@ def declare_body(context: Context, entry: Entry) -> Value:
         position = release_place(context, entry, position)
         frame = frame and release_frame(context, entry, frame)
         place = Argument(vector_value(position, M), place.span)
-    from lagc.semantics.values.kinematics import velocity_of  # loaded where a body moves
+    # Loaded here, because a model with a fault in a position needs no motion.
+    from lagc.semantics.values.kinematics import velocity_of
 
     velocity = velocity_of(context, place, None)
     body = objects.Body(entry.path, mass, position, velocity, frame, inertia, entry.span, entry.effect)
