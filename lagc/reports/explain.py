@@ -36,23 +36,10 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
     def said(node: Node) -> str:
         return written.short(node) or _energy(equations, node, kinetic, potential) or written.text(node)
 
-    # Declarations first, then the equations, then the program: the order of `text`.  The energies are written
-    # above, because what is conserved refers to them; short names come last, when all that has one is written.
+    # The energies are written above, because what is conserved refers to them; short names come last, when
+    # everything that has one is written.
     facts: Facts = {
-        "model": model.name,
-        "scene": model.scene,
-        "description": model.description,
-        "scenes": list(model.scenes),
-        "effects": {
-            "used": [_fields(e, "name description") for e in model.effects if e.used],
-            "left_out": [_fields(e, "name description") for e in model.effects if not e.used],
-        },
-        "coordinates": _coordinates(equations),
-        "speeds": [{"name": n, "unit": u} for n, u in zip(equations.v_names, equations.v_units)],
-        "parameters": [_fields(p, "name unit value description") for p in interface.parameters],
-        "inputs": [{"name": i.name, "unit": i.unit, "default": i.value} for i in interface.inputs],
-        **_discretes(equations, written),
-        **({"joints": [_joint(joint) for joint in model.joints]} if model.joints else {}),
+        **_declared(equations, interface, written),
         "constraints": [_constraint(equations, kind) for kind in analysis.constraints],
         "contacts": [_contact(c.contact, written) for c in equations.contacts],
         "redundant": list(analysis.redundant),
@@ -84,6 +71,27 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
     }
     facts["short_names"] = dict(where(written.seen))
     return facts
+
+
+def _declared(equations: EquationsOfMotion, interface: Interface, written: Expressions) -> Facts:
+    """Return the declarations of a scene."""
+    model = equations.model
+    return {
+        "model": model.name,
+        "scene": model.scene,
+        "description": model.description,
+        "scenes": list(model.scenes),
+        "effects": {
+            "used": [_fields(e, "name description") for e in model.effects if e.used],
+            "left_out": [_fields(e, "name description") for e in model.effects if not e.used],
+        },
+        "coordinates": _coordinates(equations),
+        "speeds": [{"name": n, "unit": u} for n, u in zip(equations.v_names, equations.v_units)],
+        "parameters": [_fields(p, "name unit value description") for p in interface.parameters],
+        "inputs": [{"name": i.name, "unit": i.unit, "default": i.value} for i in interface.inputs],
+        **_discretes(equations, written),
+        **({"joints": [_joint(joint) for joint in model.joints]} if model.joints else {}),
+    }
 
 
 def _until(equations: EquationsOfMotion) -> str:

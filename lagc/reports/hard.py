@@ -143,8 +143,9 @@ def to_dict(found: Hard) -> dict[str, Any]:
     return {
         "complete": found.complete, "kept": found.meets_figures,
         "cases": [
-            {"name": row.case.name, "title": row.case.title, "backend": row.backend, "kept": row.meets_figures,
-             "method": _method(row), "seconds": row.seconds, "model": row.case.model, "line": row.case.line,
+            {"name": row.case.name, "title": row.case.title, "backend": row.backend,
+             "kept": row.meets_figures, "method": _method(row), "seconds": row.seconds,
+             "model": row.case.model, "line": row.case.line,
              "failure": row.failure, "said": row.found.said if row.found else "", "notes": list(row.notes),
              "figures": [
                  {"figure": figure.words, "required": figure.most, "kept": _is_met(row, k),
