@@ -21,7 +21,7 @@ from lagc.mechanics.formulation.equations import Law, Moving, OutputEquation, tr
 from lagc.mechanics.formulation.euler_lagrange import FreeTerms, free_terms, with_rates
 from lagc.mechanics.formulation.inertia import inertial_loads, moving_parts
 from lagc.mechanics.formulation.states import States, build_states, rate_symbols
-from lagc.semantics.model import Body, Coordinate, Model, Output, Release
+from lagc.semantics.model import Body, Coordinate, Model, Release
 from lagc.symbolic.derivative import gradient, seeds, tangent
 from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import QUANTITIES, Symbol
