@@ -3,9 +3,9 @@
     python -m tools.benchmarks verified [--all] [--scratch FOLDER] [--points N] [--words PART,PART]
 
 Motions of the library (a sample without --all), or of the models in a folder, at accuracies from 1e-3 to
-1e-10.  The truth is in quadruple precision where that takes seconds and the motion has no events, else in double
-at the finest tolerance; errors below its own are left out.  The price is the number of right-hand sides over those of the run that is
-returned.
+1e-10.  The truth is in quadruple precision where that takes seconds and the motion has no events, else in
+double at the finest tolerance; errors below its own are left out.  The price is the number of right-hand
+sides over those of the run that is returned.
 """
 
 from __future__ import annotations
@@ -47,8 +47,8 @@ FLOOR = 1e-13  # of the scale: errors below are left out
 
 @dataclass(frozen=True)
 class Outcome:
-    """One verified run: what was asked, estimated and made; `ratios` of estimated and true errors, each of one
-    quantity."""
+    """One verified run: what was asked, estimated and made; `ratios` are those of estimated and true errors
+    of each quantity."""
 
     motion: str
     asked: float
@@ -83,10 +83,11 @@ def own_truth(model: CompiledModel, stop: float, points: int) -> Truth | None:
     fine, other = (model.simulate(stop, method="dop853", rtol=rtol, points=points) for rtol in FINE)
     if fine.status != "ok" or len(fine.times) != len(other.times) or len(fine.events) != len(other.events):
         return None
-    names = [name for name in (*fine.state_names, *(o.name for o in model.interface.outputs))]
+    names = [*fine.state_names, *(output.name for output in model.interface.outputs)]
     high, low = (np.array([run.column(name) for name in names]).T for run in (fine, other))
     jumps = np.array([event.t for event in fine.events])
-    return Truth(names, high, np.zeros_like(high), np.abs(high - low).max(axis=0), np.array(fine.times), jumps)
+    known = np.abs(high - low).max(axis=0)
+    return Truth(names, high, np.zeros_like(high), known, np.array(fine.times), jumps)
 
 
 def truth(model: CompiledModel, stop: float, points: int) -> Truth | None:
@@ -113,7 +114,8 @@ def truth(model: CompiledModel, stop: float, points: int) -> Truth | None:
             with np.errstate(all="ignore"):
                 apart = np.abs((best.hi[:rows] - other.hi[:rows]) + (best.lo[:rows] - other.lo[:rows]))
             known = apart.max(axis=0)
-            return Truth(names, best.hi[:rows], best.lo[:rows], known, np.array(times[:rows]), np.array([]))
+            recorded = np.array(times[:rows])
+            return Truth(names, best.hi[:rows], best.lo[:rows], known, recorded, np.array([]))
     return None
 
 
@@ -169,8 +171,8 @@ def shares(values: list[float]) -> list[Cell]:
     return [median(values), min(values), *(f"{100.0 * part.mean():.1f} %" for part in parts)]
 
 
-HEAD = ("asked", "runs", "ok", "ok above", "median", "least", "< 0.8", "[1/2, 2]", "[1, 5]", "price", "at 90 %",
-        "integrations")  # fmt: skip
+HEAD = ("asked", "runs", "ok", "ok above", "median", "least", "< 0.8", "[1/2, 2]", "[1, 5]", "price",
+        "at 90 %", "integrations")  # fmt: skip
 
 
 def row(label: str, found: list[Outcome]) -> list[Cell]:

@@ -1,8 +1,8 @@
 """Slips at an event: which contacts begin, end or go on to slip, and where to.
 
 In space a contact slips along its velocity. The direction at the beginning of a step is its axis. Where the
-velocity has no part along the axis, the slip stops, or it has turned and gets a new axis. A slip that begins has
-no direction that stages could follow, as u/|u| has none at zero: it keeps its axis for a step.
+velocity has no part along the axis, the slip stops, or it has turned and gets a new axis. A slip that begins
+has no direction that stages could follow, as u/|u| has none at zero: it keeps its axis for a step.
 """
 
 from math import fabs, inf, sqrt
@@ -224,8 +224,8 @@ def keep_slip_errors(s: State, w: Work) -> None:
 
 def turns_fast(s: State, w: Work) -> bool:
     """Return whether a slip in space falls below half of its speed in a step and turns: its direction turns
-    ever faster towards a stop, and a step that passes much of that is not accurate within. Return also whether
-    a slip that has begun leaves the axis that it keeps by more than the error of the step, or has turned."""
+    ever faster towards a stop, and a step that passes much of that is not accurate within. Or a slip that has
+    begun leaves the axis that it keeps by more than the error of the step, or has turned."""
     # The change of direction between the ends of the step: `aside` is the velocity across the axis at the
     # beginning.
     for i in range(NCON):

@@ -39,7 +39,7 @@ class Verification:
     error: Vec[NQUANTITY]  # estimated error of each quantity
     scale: Vec[NQUANTITY]  # what it is relative to
     size: Vec[NQUANTITY]  # of the terms of the quantity
-    constant: IVec[NQUANTITY]  # 1: it does not move; 2: round-off keeps it from its own range; 3: it is round-off
+    constant: IVec[NQUANTITY]  # 1: does not move; 2: round-off keeps it from its own range; 3: is round-off
     if NZ > 0:
         work_error: Real  # largest difference of the work integrals, which have no error control
     if NLEAP > 0:
@@ -50,9 +50,9 @@ class Verification:
     check: State
     check_work: Work
     p: Params  # of the check
-    gap: Vec[NQUANTITY]  # largest difference of the two runs over what is delivered: recorded times, and the end
-    near: Vec[NQUANTITY]  # largest one over the last block
-    apart: Vec[NQUANTITY]  # largest one over the whole motion
+    gap: Vec[NQUANTITY]  # largest difference of the two runs at recorded times and the end
+    near: Vec[NQUANTITY]  # in the last block
+    apart: Vec[NQUANTITY]  # over the whole motion
     low: Vec[NQUANTITY]  # range of the quantity
     high: Vec[NQUANTITY]
     terms: Vec[NQUANTITY]  # sum of the magnitudes of the terms of an output

@@ -227,8 +227,8 @@ def scale_of(i: Size, group: Real, accuracy: Real, underway: bool, scales: Vec[N
 def estimate_errors(scales: Vec[NQUANTITY], accuracy: Real, method: int, underway: bool,
                     v: Verification) -> Real:  # fmt: skip
     """Set errors and scales of the quantities from what was compared so far; return the largest error over
-    scale, of a run that is underway as if it ended here. That of the times of jumps is relative to the time of
-    the run."""
+    scale, of a run that is underway as if it ended here. That of the times of jumps is relative to the time
+    of the run."""
     events: Count = 0
     if NMODE > 0:
         events = v.run.changes

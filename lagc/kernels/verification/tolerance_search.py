@@ -93,12 +93,21 @@ def remember_roundoff(error: Real, reached: Real, r: Report, v: Verification) ->
     v.tolerance_before = v.tolerance
 
 
-def raise_errors(r: Report, v: Verification) -> None:
-    """Raise all errors by the factor by which the largest is below what is known of round-off."""
-    if r.estimated > 0.0 and r.estimated < v.least_error:
+def end_attempt(whole: bool, g: Goal, scales: Vec[NQUANTITY], o: Options, r: Report,
+                v: Verification) -> Real:  # fmt: skip
+    """Report the outcome of an attempt, which has reached the end if `whole`; return its error up to where it
+    ended. Where that is below what is known of round-off, all errors are raised."""
+    r.rhs += v.run.rhs + v.check.rhs
+    r.steps = v.run.steps
+    r.rtol = v.tolerance
+    reached = estimate_errors(scales, g.accuracy, o.method, False, v)
+    if reached > 0.0 and reached < v.least_error:
         for i in range(NQUANTITY):
-            v.error[i] *= v.least_error / r.estimated
-        r.estimated = v.least_error
+            v.error[i] *= v.least_error / reached
+        reached = v.least_error
+    r.estimated = reached if whole else inf
+    g.law = (reached if whole else v.predicted) / v.tolerance
+    return reached
 
 
 def next_tolerance(g: Goal, whole: bool, r: Report, v: Verification) -> None:
@@ -200,16 +209,8 @@ def verified(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, scales
             return status
         # The outcome of the attempt, and the law of the next one.
         v.phase = 0
-        r.rhs += v.run.rhs + v.check.rhs
-        r.steps = v.run.steps
-        r.rtol = v.tolerance
-        r.estimated = estimate_errors(scales, g.accuracy, o.method, False, v)
-        raise_errors(r, v)
-        reached = r.estimated
         whole = v.run.t >= times[n - 1] or status == TERMINATED
-        g.law = (r.estimated if whole else v.predicted) / v.tolerance
-        if not whole:
-            r.estimated = inf
+        reached = end_attempt(whole, g, scales, o, r, v)
         lost = failed(status) and status != TERMINATED
         if lost:
             v.failures += 1
