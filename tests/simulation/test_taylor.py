@@ -133,8 +133,7 @@ def test_a_fall_ends_at_the_singularity() -> None:
     fall = KEPLER.replace("0.4 [m]", "1 [m]").replace("der(y) = 2", "der(y) = 0")
     run = simulated(fall, 3.0, rtol=1e-9)
     assert run.status == "failed"
-    assert "singularity" in run.message
-    assert run.times[-1] == pytest.approx(pi / sqrt(8.0), abs=1e-9)
+    assert f"at t = {pi / sqrt(8.0):.6g} s" in run.message and "singularity" in run.message
 
 
 def test_a_pendulum_over_ten_thousand_periods() -> None:
