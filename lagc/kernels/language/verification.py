@@ -89,6 +89,6 @@ class Verification:
     failures: int  # attempts that ended by an error
     error_before: Real  # of the attempt before, and its tolerance
     tolerance_before: Real
-    least_error: Real  # by the round-off of earlier attempts
+    at_random: bool  # round-off decided an earlier attempt
     set_out_time: Real  # of the last comparison at which a quantity has moved twice as far as before
     misses_by_small: bool  # the worst quantity is small in its scaling group
