@@ -1,4 +1,7 @@
-"""The runs of one chunk of a sweep, in this process or in another one."""
+"""The runs of one chunk of a sweep, in this process or in another one.
+
+A model is a `Loaded` of `lagc.compiler.loaded`.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ from array import array
 from collections.abc import Callable, Mapping, Sequence
 from math import fsum, inf, nan, sqrt
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from lagc.base.records import dataclass, replace
 from lagc.diagnostics.faults import Fault, Refused
@@ -24,28 +27,12 @@ if TYPE_CHECKING:
     from lagc.lowering.program import Field
     from lagc.simulation.solution import Solution
 
-KEPT = ("final", "max", "min", "rms")
 STATUSES = ("ok", "terminated", "failed", "refused")  # a row has the index of one, or NaN: not run
-FIRST = 3  # numbers of a row before its columns: status, end time, estimated error
+FIRST = ("status", "t", "estimated")  # numbers of a row before its columns
 MOST_WORDS = 300  # characters of a message
 
 Progress = Callable[[float], None]
 Point = tuple[float, ...]
-
-
-class Model(Protocol):
-    """A compiled model, as `lagc.compiler.loaded` has it; it can be pickled."""
-
-    @property
-    def artifact(self) -> Any: ...
-
-    def taking(self, method: str) -> Model: ...
-
-    def system(self, backend: str) -> Any: ...
-
-    def simulate(
-        self, request: Request, parameters: Sequence[float], progress: Progress | None = None
-    ) -> Solution: ...
 
 
 @dataclass(frozen=True)
@@ -112,7 +99,7 @@ def run(task: Task, points: Sequence[Point], progress: Progress = lambda t: None
 class Runner:
     """The runs of a task in this thread."""
 
-    def __init__(self, task: Task, model: Model):
+    def __init__(self, task: Task, model: Any):
         self.task, self.model = task, model
         interface = model.artifact.interface
         self.columns, self.last = columns_of(interface), task.keep == ("final",)
@@ -193,15 +180,7 @@ def statistics(
     keep: Sequence[str], times: Sequence[float], columns: Sequence[Sequence[float]]
 ) -> list[float]:
     """Return the numbers that are kept of each column, all of one kind first."""
-    found: list[float] = []
-    for kind in keep:
-        if kind == "final":
-            found += [column[-1] for column in columns]
-        elif kind == "rms":
-            found += [root_mean_square(times, column) for column in columns]
-        else:
-            found += [(max if kind == "max" else min)(column) for column in columns]
-    return found
+    return [KEPT[kind](times, column) for kind in keep for column in columns]
 
 
 def root_mean_square(times: Sequence[float], values: Sequence[float]) -> float:
@@ -212,6 +191,14 @@ def root_mean_square(times: Sequence[float], values: Sequence[float]) -> float:
     squares = [value * value for value in values]
     parts = [0.5 * (b - a) / span * (x + y) for a, b, x, y in zip(times, times[1:], squares, squares[1:])]
     return inf if inf in parts else sqrt(fsum(parts))
+
+
+KEPT: dict[str, Callable[[Sequence[float], Sequence[float]], float]] = {
+    "final": lambda times, values: values[-1],
+    "max": lambda times, values: max(values),
+    "min": lambda times, values: min(values),
+    "rms": root_mean_square,
+}
 
 
 def _short(message: str) -> str:
