@@ -13,9 +13,8 @@ import numpy.typing as npt
 
 from lagc.base.text import json_text
 from lagc.simulation.formats import Table, check_path, write, writing
-from lagc.study.sweep.journal import Record
 from lagc.study.sweep.plan import Plan
-from lagc.study.sweep.worker import FIRST, STATUSES
+from lagc.study.sweep.worker import FIRST, STATUSES, Record
 
 NOT_RUN = "not run"
 TEXTS = ("status", "code", "message")

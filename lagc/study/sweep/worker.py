@@ -52,14 +52,15 @@ class Task:
 
 
 @dataclass(frozen=True)
-class Chunk:
-    """The results of runs: the rows of numbers as bytes of doubles, the codes and messages of some by their
-    place in the chunk, and the time that they took in s.  `other` is the version of a worker that is
-    refused."""
+class Record:
+    """The runs of a chunk from the point `first` on: the rows of numbers as bytes of doubles, the codes and
+    messages of some by their place in the chunk, and the time that they took in s.  `other` is the version of
+    a worker that is refused."""
 
+    first: int
     rows: bytes
     reasons: Mapping[int, tuple[str, str]]
-    seconds: float
+    seconds: float = 0.0
     other: str = ""
 
 
@@ -78,10 +79,11 @@ class _Last(Local):
 _last = _Last()
 
 
-def run(task: Task, points: Sequence[Point], progress: Progress = lambda t: None) -> Chunk:
-    """Run the points of a chunk.  KeyboardInterrupt in `progress` ends it without a result."""
+def run(task: Task, first: int, points: Sequence[Point], progress: Progress = lambda t: None) -> Record:
+    """Run the points of a chunk from `first` on.  KeyboardInterrupt in `progress` ends it without a
+    result."""
     if task.fingerprint != version():
-        return Chunk(b"", {}, 0.0, version())
+        return Record(first, b"", {}, 0.0, version())
     began = perf_counter()
     if _last.key != task.key:
         _last.runner, _last.key = Runner(task, pickle.loads(task.model)), task.key
@@ -93,7 +95,7 @@ def run(task: Task, points: Sequence[Point], progress: Progress = lambda t: None
         rows.extend(row)
         if reason is not None:
             reasons[k] = reason
-    return Chunk(rows.tobytes(), reasons, perf_counter() - began)
+    return Record(first, rows.tobytes(), reasons, perf_counter() - began)
 
 
 class Runner:
