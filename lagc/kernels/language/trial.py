@@ -23,6 +23,8 @@ class Trial:
         is_split: bool  # it is the first half of a step
         size_before_event: Real  # accepted size before the step was shortened to end at an event
     rejected: int  # attempts before this one
+    cause: Status  # of the last attempt, if it failed
+    status: Status  # of the call, if there is no further attempt
 
 
 @struct

@@ -1,0 +1,301 @@
+"""Many runs side by side: the right-hand side and the stages of a step over vectors of the compiler.
+
+The functions of a finished source are printed once more with vectors in the place of doubles; each lane of a
+vector belongs to another run, with its own parameters, time and step size.  The driver stays the scalar one,
+an attempt at a time, and a lane that has ended takes the next run.  A lane whose right-hand side is not
+regular, or whose angles are far, does its attempt again with the scalar functions.  So each run has the bits
+that it has alone.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from lagc.codegen.kernel_compiler.library import library
+from lagc.codegen.kernel_compiler.real_types import DOUBLE
+from lagc.lowering.program import Interface
+
+METHOD = "dop853"
+WIDTHS = {8: "avx512f,avx512dq,avx512vl", 4: "avx2"}  # lanes, and what a processor needs
+ONE, TWO = ("sqrt", "exp", "log", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh"), ("pow", "atan2")
+PLAIN = {"fn_rhs", "sine_cosine", "sine_cosine_two", *ONE, *TWO, "double", "void"}
+
+_VECTORS = """\
+typedef double Wide __attribute__((vector_size(8 * LANES)));
+typedef long long Mask __attribute__((vector_size(8 * LANES)));
+typedef struct {PARAMS} WideParams;
+typedef struct { Wide x_new[NX]; Wide k[14][NX]; long rhs; } WideState;
+typedef struct { Wide lam[1]; Wide health[2]; Mask bad; } WideWork;
+static inline Wide wide_pick(Mask m, Wide a, Wide b) { return (Wide)(((Mask)a & m) | ((Mask)b & ~m)); }
+"""
+_TURN = """\
+/* Angles that need another reduction get NaN, which makes the rates NaN. */
+static inline void wide_sine_cosine(Wide x, Wide *pair)
+{
+    const Mask far = ~wide_sine_cosine_near(x, pair);
+    pair[0] = (Wide)((Mask)pair[0] | far);
+    pair[1] = (Wide)((Mask)pair[1] | far);
+}
+static inline void wide_sine_cosine_two(Wide x, Wide y, Wide *pairs)
+{
+    wide_sine_cosine(x, pairs);
+    wide_sine_cosine(y, pairs + 2);
+}
+"""
+_RATES = """\
+static inline Status wide_rhs_at(const WideParams *p, Wide t, const Wide *x, Wide *xdot, Wide *lam, WideWork *w)
+{
+    wide_fn_rhs(p, t, x, xdot, lam, w->health);
+    Wide sum = xdot[0] - xdot[0];
+    for (int i = 1; i < NX; i++) {
+        sum += xdot[i] - xdot[i];
+    }
+    w->bad |= ~((w->health[0] >= SINGULAR) & (w->health[1] <= LARGEST_RESIDUAL) & (sum == 0.0));
+    return OK;
+}
+"""
+_ATTEMPT = """\
+/* Compute the stages and the end rate of an attempt of each run; those with `good` 0 are to be done again. */
+static void wide_attempt(Run *const *runs, int *good)
+{
+    WideParams p;
+    WideState s;
+    WideWork w;
+    Wide x[NX], t, h, end;
+    for (int n = 0; n < LANES; n++) {
+        const Run *run = runs[n];
+        for (size_t j = 0; j < sizeof(Params) / sizeof(double); j++) {
+            ((Wide *)&p)[j][n] = ((const double *)&run->p)[j];
+        }
+        for (int i = 0; i < NX; i++) {
+            x[i][n] = run->s.x[i];
+            s.k[0][i][n] = run->s.k[0][i];
+        }
+        t[n] = run->s.t;
+        h[n] = run->a.h;
+        end[n] = run->a.t_new;
+    }
+    w.bad = (Mask)(t - t);
+    (void)wide_dop853_stages(&p, t, x, h, &s, &w);
+    (void)wide_rhs_at(&p, end, s.x_new, s.k[12], w.lam, &w);
+    for (int n = 0; n < LANES; n++) {
+        good[n] = w.bad[n] == 0;
+        for (int i = 0; (i < NX) && good[n]; i++) {
+            runs[n]->s.x_new[i] = s.x_new[i][n];
+            for (int j = 1; j < 13; j++) {
+                runs[n]->s.k[j][i] = s.k[j][i][n];
+            }
+        }
+    }
+}
+"""
+_RUN = """\
+typedef struct {
+    Params p;
+    State s;
+    Work w;
+    Trial a;
+    long number;
+    size_t done;
+    int is_planned; /* the step has begun */
+    Status status;
+} Run;
+"""
+_DRIVER = """\
+/* Record the times that are passed, and plan the next attempt; return whether there is one. */
+static int plans_run(Run *run, const double *times, size_t n, double *states, const Options *o, long most)
+{
+    const double t1 = times[n - 1];
+    State *s = &run->s;
+    if (!run->is_planned) {
+        const Trial none = {0};
+        while ((run->status == OK) && (run->done < n) && (times[run->done] <= s->t)) {
+            run->status = interpolate_at(s, times[run->done], o, states + (run->done * NX), &run->w);
+            run->done++;
+        }
+        if ((run->status == OK) && (run->done < n) && ((s->steps + s->rejected) >= most)) {
+            run->status = INTERRUPTED;
+        }
+        if ((run->status != OK) || (run->done == n)) {
+            return 0;
+        }
+        if ((s->dense_place == STAGES) || (s->dense_place == OPEN)) {
+            s->dense_place = ABSENT;
+        }
+        run->a = none;
+        run->a.direction = 1.0;
+        run->status = evaluate_start(&run->p, s, 1.0, &run->w);
+        if (failed(run->status) != 0) {
+            return 0;
+        }
+        choose_step_size(&run->p, s, t1, o, &run->a, &run->w);
+        fade_roundoff(s, &run->w);
+        run->is_planned = 1;
+    }
+    if (plans_attempt(&run->p, s, t1, t1, o, &run->a, &run->w) == 0) {
+        run->status = run->a.status;
+        return 0;
+    }
+    return 1;
+}
+
+/* Judge an attempt whose stages are known, or else do it here. */
+static void end_attempt(Run *run, double t1, const Options *o, int good)
+{
+    Trial *a = &run->a;
+    Status status = OK;
+    a->leaves_end_rate = good;
+    if (good) {
+        run->s.rhs += 11;
+        a->error = 0.0;
+        status = judge_stages(&run->p, &run->s, o, a, &run->w);
+    } else {
+        status = try_step(&run->p, &run->s, o, a, &run->w);
+    }
+    if (accepts_attempt(&run->p, &run->s, t1, status, o, a, &run->w) != 0) {
+        run->s.rhs += good;
+        a->leaves_end_rate = 0;
+        accept_step(&run->p, &run->s, t1, o, a, &run->w);
+        run->is_planned = 0;
+    }
+}
+
+size_t NAME_run_size(void) { return sizeof(Run); }
+
+/* Return how many runs this processor does side by side; 0: none. */
+int NAME_lanes(void)
+{
+    __builtin_cpu_init();
+CHOICE    return 0;
+}
+
+/* Record `count` runs, each from params and x[NX] at time 0, at n times: states[n*NX] and a status.  INTERRUPTED:
+ * the run needs more than `most` attempts.  `runs` has a place for each lane. */
+void NAME_record_runs(const Params *p, const double *x, long count, const Options *o, const double *times, size_t n,
+    double *states, int *statuses, long most, Run *runs)
+{
+    const int lanes = NAME_lanes();
+    Run *active[LARGEST];
+    int good[LARGEST];
+    long next = 0;
+    for (int k = 0; k < lanes; k++) {
+        runs[k].number = -1;
+    }
+    for (;;) {
+        int some = -1;
+        for (int k = 0; k < lanes; k++) {
+            Run *run = &runs[k];
+            active[k] = NULL;
+            while (active[k] == NULL) {
+                if (run->number < 0) {
+                    if (next == count) {
+                        break;
+                    }
+                    run->number = next;
+                    run->p = p[next];
+                    run->done = 0;
+                    run->is_planned = 0;
+                    run->w = (const Work){0};
+                    NAME_begin(&run->s, 0.0, x + (next * NX));
+                    run->status = check_record(&run->p, &run->s, o, times, n, &run->done, 0, times[n - 1], 1.0);
+                    enter_call(&run->s, &run->w);
+                    next++;
+                }
+                if (plans_run(run, times, n, states + ((size_t)run->number * n * NX), o, most) != 0) {
+                    active[k] = run;
+                    some = k;
+                } else {
+                    statuses[run->number] = run->status;
+                    run->number = -1;
+                }
+            }
+        }
+        if (some < 0) {
+            return;
+        }
+        for (int k = 0; k < lanes; k++) { /* an empty lane does what another does */
+            if (active[k] == NULL) {
+                active[k] = active[some];
+            }
+        }
+        ATTEMPTS
+        for (int k = 0; k < lanes; k++) {
+            if (active[k] == &runs[k]) {
+                end_attempt(active[k], times[n - 1], o, good[k]);
+            }
+        }
+    }
+}
+"""
+
+
+def lanes(interface: Interface, sources: Mapping[str, str]) -> dict[str, str] | None:
+    """Return `sources` with a further file that runs models in lanes; None for a model that has events,
+    constraints, or functions without vectors."""
+    (name,) = [file.removesuffix(".h") for file in sources if file.endswith(".h")]
+    header, source = sources[f"{name}.h"], sources[f"{name}.c"]
+    rates, stages = _function(source, "fn_rhs"), _function(source, f"{METHOD}_stages")
+    others = interface.nc or interface.relations or interface.whens or interface.contacts or interface.quaternions
+    if not (rates and stages) or others or interface.solve != "straight":
+        return None
+    code = re.sub(r"/\*.*?\*/", "", rates, flags=re.S)
+    called = set(re.findall(r"\b(\w+)\(", code))
+    if not called <= PLAIN or re.search(r"\?|\bint\b|\bstatic const\b", code):
+        return None
+    params = re.search(rf"typedef struct (\{{[^{{}}]*\}}) {name}_params;", header)
+    assert params is not None
+    parts = [_VECTORS.replace("{PARAMS}", _wide(params[1]))]
+    if called & {"sine_cosine", "sine_cosine_two"}:
+        near = library(DOUBLE.language).part("sine_cosine_near", {}).text
+        parts += [_without_branches(near.replace("lagc_", "").replace("LAGC_", "")), _TURN]
+    parts += [_each(function, 1 + (function in TWO)) for function in sorted(called & {*ONE, *TWO})]
+    parts += [_wide(rates), _RATES, _wide(stages), _ATTEMPT]
+    text = "\n".join(parts)
+    made = [f'#include "{name}.c"\n', _RUN]
+    for width, needed in WIDTHS.items():
+        own = re.sub(r"\b(Wide|Mask|wide)(?=\w*\b)", rf"\g<1>{width}", text).replace("LANES", str(width))
+        target = f'static __attribute__((target("{needed}"))) '
+        made.append(re.sub(r"^static (?:inline )?(?!const)", target, own, flags=re.M))
+    choice = "".join(f"    if ({_has(needed)}) {{\n        return {width};\n    }}\n" for width, needed in WIDTHS.items())
+    attempts = " else ".join(f"if (lanes == {width}) {{\n            wide{width}_attempt(active, good);\n        }}" for width in WIDTHS)
+    driver = _DRIVER.replace("CHOICE", choice).replace("ATTEMPTS", attempts).replace("LARGEST", str(max(WIDTHS)))
+    made.append(driver.replace("NAME", name))
+    return {**sources, f"{name}_lanes.c": "\n".join(made)}
+
+
+def _has(needed: str) -> str:
+    return " && ".join(f'__builtin_cpu_supports("{part}")' for part in needed.split(","))
+
+
+def _function(source: str, name: str) -> str:
+    """Return the definition of a static function; "" if there is none."""
+    found = re.search(rf"^static [\w ]+ {name}\([^()]*\)\n\{{\n.*?^\}}\n", source, re.M | re.S)
+    return found[0] if found else ""
+
+
+def _wide(text: str) -> str:
+    """Return code over vectors: types and functions have other names, and a number alone is spread."""
+    text = re.sub(r"\bdouble\b", "Wide", text)
+    text = re.sub(r"\b(Params|State|Work)\b", r"Wide\1", text)
+    names = "|".join([*PLAIN - {"double", "void"}, "rhs_at", f"{METHOD}_stages", "sine_cosine_near"])
+    text = re.sub(rf"\b({names})\(", r"wide_\1(", text)
+    return re.sub(r"(?<=[\w\]] = )(-?\d+\.\d*(?:e[+-]?\d+)?|-?\d+e[+-]?\d+);", r"\1 + (Wide){-0.0};", text)
+
+
+def _without_branches(text: str) -> str:
+    """Return a function whose truth values are masks: choices by bits, and no short circuits."""
+    text = _wide(text).replace("int ", "Mask ", 1).replace("const int ", "const Mask ").replace("const long ", "const Mask ")
+    text = re.sub(r"\(long\)(\w+)", r"(Mask)(\1 + ROUNDER)", text)  # its last bits
+    text = re.sub(r"= (.+?) \? (.+?) : (.+?);", r"= wide_pick(\1, \2, \3);", text)
+    return text.replace("&&", "&").replace("||", "|")
+
+
+def _each(name: str, arguments: int) -> str:
+    """Return a function of the C library over vectors, lane by lane."""
+    letters = "ab"[:arguments]
+    formal, actual = ", ".join(f"Wide {a}" for a in letters), ", ".join(f"{a}[n]" for a in letters)
+    return (
+        f"static inline Wide wide_{name}({formal})\n{{\n    Wide found = a;\n"
+        f"    for (int n = 0; n < LANES; n++) {{\n        found[n] = {name}({actual});\n    }}\n    return found;\n}}\n"
+    )
