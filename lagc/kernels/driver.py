@@ -111,16 +111,8 @@ def prepare_newton(s: State, o: Options, h: Real, w: Work) -> None:
             w.newton.tolerance = NEWTON_TOLERANCE
 
 
-def judge_stages(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
-    """Compute error and end of an attempt whose stages are known."""
-    # Weights of the error need the new state. A method that does not use the rate at its end is tested first,
-    # so that a rejected attempt saves the projection and this evaluation.
-    set_error_weights(s, o, a.h, w)
-    if needs_end_rate(o.method) or o.step > 0.0:
-        status = finish_step(p, s, a.t_new, o, a.leaves_end_rate, w)
-        if failed(status) or o.step > 0.0:
-            return status
-    a.error = method_error(o.method, a.h, s, w)
+def judge_error(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
+    """Finish an attempt whose error is known, without its round-off."""
     # Is it round-off that rejects the step? One more evaluation tells. It is made when an attempt was
     # rejected already, or round-off decided shortly before: not in each step.
     a.roundoff_estimated = a.error > 1.0 and (
@@ -145,7 +137,15 @@ def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     status = method_stages(o.method, p, s.t, s.x, a.h, s, w)
     if failed(status):
         return status
-    return judge_stages(p, s, o, a, w)
+    # Weights of the error need the new state. A method that does not use the rate at its end is tested first,
+    # so that a rejected attempt saves the projection and this evaluation.
+    set_error_weights(s, o, a.h, w)
+    if needs_end_rate(o.method) or o.step > 0.0:
+        status = finish_step(p, s, a.t_new, o, a.leaves_end_rate, w)
+        if failed(status) or o.step > 0.0:
+            return status
+    a.error = method_error(o.method, a.h, s, w)
+    return judge_error(p, s, o, a, w)
 
 
 def end_step_at_event(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:

@@ -26,7 +26,8 @@ typedef double Wide __attribute__((vector_size(8 * LANES)));
 typedef long long Mask __attribute__((vector_size(8 * LANES)));
 typedef struct {PARAMS} WideParams;
 typedef struct { Wide x_new[NX]; Wide k[14][NX]; long rhs; } WideState;
-typedef struct { Wide lam[1]; Wide health[2]; Mask bad; } WideWork;
+typedef struct { Wide weights[NX]; } WideError;
+typedef struct { Wide lam[1]; Wide health[2]; Mask bad; WideError error; } WideWork;
 static inline Wide wide_pick(Mask m, Wide a, Wide b) { return (Wide)(((Mask)a & m) | ((Mask)b & ~m)); }
 """
 _TURN = """\
@@ -44,7 +45,8 @@ static inline void wide_sine_cosine_two(Wide x, Wide y, Wide *pairs)
 }
 """
 _RATES = """\
-static inline Status wide_rhs_at(const WideParams *p, Wide t, const Wide *x, Wide *xdot, Wide *lam, WideWork *w)
+static inline Status wide_rhs_at(const WideParams *p, Wide t, const Wide *x, Wide *xdot, Wide *lam,
+    WideWork *w)
 {
     wide_fn_rhs(p, t, x, xdot, lam, w->health);
     Wide sum = xdot[0] - xdot[0];
@@ -56,18 +58,18 @@ static inline Status wide_rhs_at(const WideParams *p, Wide t, const Wide *x, Wid
 }
 """
 _ATTEMPT = """\
-/* Compute the stages and the end rate of an attempt of each run; those with `good` 0 are to be done again. */
-static void wide_attempt(Run *const *runs, int *good)
+/* Compute stages, end rate and error of an attempt of each run; `good`: whether its results
+ * are those of the scalar functions; 0 before: the lane is empty. */
+static void wide_attempt(Run *const *runs, const double *params, const double *times, const Options *o,
+    int *good)
 {
     WideParams p;
     WideState s;
     WideWork w;
-    Wide x[NX], t, h, end;
+    Wide x[NX], t, h, end, sums[2];
+    memcpy(&p, params, sizeof p);
     for (int n = 0; n < LANES; n++) {
         const Run *run = runs[n];
-        for (size_t j = 0; j < sizeof(Params) / sizeof(double); j++) {
-            ((Wide *)&p)[j][n] = ((const double *)&run->p)[j];
-        }
         for (int i = 0; i < NX; i++) {
             x[i][n] = run->s.x[i];
             s.k[0][i][n] = run->s.k[0][i];
@@ -79,12 +81,36 @@ static void wide_attempt(Run *const *runs, int *good)
     w.bad = (Mask)(t - t);
     (void)wide_dop853_stages(&p, t, x, h, &s, &w);
     (void)wide_rhs_at(&p, end, s.x_new, s.k[12], w.lam, &w);
+    for (int i = 0; i < NX; i++) {
+        w.error.weights[i] = x[i];
+    }
     for (int n = 0; n < LANES; n++) {
-        good[n] = w.bad[n] == 0;
-        for (int i = 0; (i < NX) && good[n]; i++) {
-            runs[n]->s.x_new[i] = s.x_new[i][n];
-            for (int j = 1; j < 13; j++) {
-                runs[n]->s.k[j][i] = s.k[j][i][n];
+        Run *run = runs[n];
+        good[n] = good[n] && (w.bad[n] == 0);
+        if (good[n]) {
+            for (int i = 0; i < NX; i++) {
+                run->s.x_new[i] = s.x_new[i][n];
+                run->s.k[12][i] = s.k[12][i][n];
+            }
+            set_error_weights(&run->s, o, run->a.h, &run->w);
+            for (int i = 0; i < NQ + NV; i++) {
+                w.error.weights[i][n] = run->w.error.weights[i];
+            }
+        }
+    }
+    wide_dop853_error_sums(h, &s, &w, sums);
+    for (int n = 0; n < LANES; n++) {
+        Run *run = runs[n];
+        if (!good[n]) {
+            continue;
+        }
+        run->a.error = dop853_error_of_sums(sums[0][n], sums[1][n]);
+        /* The other stages serve an estimate of round-off, the test of stiffness, and dense output. */
+        const int used = (run->a.error > 1.0) || (run->s.stability_due <= TESTED)
+            || (times[run->done] < run->a.t_new);
+        for (int j = 1; (j < 12) && used; j++) {
+            for (int i = 0; i < NX; i++) {
+                run->s.k[j][i] = s.k[j][i][n];
             }
         }
     }
@@ -101,6 +127,10 @@ typedef struct {
     int is_planned; /* the step has begun */
     Status status;
 } Run;
+typedef struct {
+    Run runs[LARGEST];
+    double params[sizeof(Params) / sizeof(double) * LARGEST]; /* a row for each, over the lanes */
+} Runs;
 """
 _DRIVER = """\
 /* Record the times that are passed, and plan the next attempt; return whether there is one. */
@@ -148,8 +178,7 @@ static void end_attempt(Run *run, double t1, const Options *o, int good)
     a->leaves_end_rate = good;
     if (good) {
         run->s.rhs += 11;
-        a->error = 0.0;
-        status = judge_stages(&run->p, &run->s, o, a, &run->w);
+        status = judge_error(&run->p, &run->s, o, a, &run->w);
     } else {
         status = try_step(&run->p, &run->s, o, a, &run->w);
     }
@@ -161,7 +190,7 @@ static void end_attempt(Run *run, double t1, const Options *o, int good)
     }
 }
 
-size_t NAME_run_size(void) { return sizeof(Run); }
+size_t NAME_runs_size(void) { return sizeof(Runs); }
 
 /* Return how many runs this processor does side by side; 0: none. */
 int NAME_lanes(void)
@@ -170,13 +199,13 @@ int NAME_lanes(void)
 CHOICE    return 0;
 }
 
-/* Record `count` runs, each from params and x[NX] at time 0, at n times: states[n*NX] and a status.  INTERRUPTED:
- * the run needs more than `most` attempts.  `runs` has a place for each lane. */
-void NAME_record_runs(const Params *p, const double *x, long count, const Options *o, const double *times, size_t n,
-    double *states, int *statuses, long most, Run *runs)
+/* Record `count` runs, each from its params and x[NX] at time 0, at n times: states[n*NX] and a status.
+ * INTERRUPTED: the run needs more than `most` attempts. */
+void NAME_record_runs(const Params *p, const double *x, long count, const Options *o, const double *times,
+    size_t n, double *states, int *statuses, long most, Runs *room)
 {
     const int lanes = NAME_lanes();
-    Run *active[LARGEST];
+    Run *const runs = room->runs, *active[LARGEST];
     int good[LARGEST];
     long next = 0;
     for (int k = 0; k < lanes; k++) {
@@ -194,11 +223,15 @@ void NAME_record_runs(const Params *p, const double *x, long count, const Option
                     }
                     run->number = next;
                     run->p = p[next];
+                    for (size_t j = 0; j < sizeof(Params) / sizeof(double); j++) {
+                        room->params[(j * (size_t)lanes) + (size_t)k] = ((const double *)&run->p)[j];
+                    }
                     run->done = 0;
                     run->is_planned = 0;
                     run->w = (const Work){0};
                     NAME_begin(&run->s, 0.0, x + (next * NX));
-                    run->status = check_record(&run->p, &run->s, o, times, n, &run->done, 0, times[n - 1], 1.0);
+                    run->status = check_record(&run->p, &run->s, o, times, n, &run->done, 0, times[n - 1],
+                        1.0);
                     enter_call(&run->s, &run->w);
                     next++;
                 }
@@ -215,9 +248,8 @@ void NAME_record_runs(const Params *p, const double *x, long count, const Option
             return;
         }
         for (int k = 0; k < lanes; k++) { /* an empty lane does what another does */
-            if (active[k] == NULL) {
-                active[k] = active[some];
-            }
+            good[k] = active[k] != NULL;
+            active[k] = good[k] ? active[k] : active[some];
         }
         ATTEMPTS
         for (int k = 0; k < lanes; k++) {
@@ -230,13 +262,19 @@ void NAME_record_runs(const Params *p, const double *x, long count, const Option
 """
 
 
-def lanes(interface: Interface, sources: Mapping[str, str]) -> dict[str, str] | None:
-    """Return `sources` with a further file that runs models in lanes; None for a model that has events,
-    constraints, or functions without vectors."""
+def lanes(
+    interface: Interface, sources: Mapping[str, str], widths: Mapping[int, str] = WIDTHS
+) -> dict[str, str] | None:
+    """Return the `sources` of a model with a further file, for x86-64, that makes runs in lanes of these
+    `widths`; None for a model that has events, constraints, or functions without vectors."""
     (name,) = [file.removesuffix(".h") for file in sources if file.endswith(".h")]
     header, source = sources[f"{name}.h"], sources[f"{name}.c"]
-    rates, stages = _function(source, "fn_rhs"), _function(source, f"{METHOD}_stages")
-    others = interface.nc or interface.relations or interface.whens or interface.contacts or interface.quaternions
+    rates, stages, error = (
+        _function(source, f) for f in ("fn_rhs", f"{METHOD}_stages", f"{METHOD}_error_sums")
+    )
+    others = (
+        interface.nc or interface.relations or interface.whens or interface.contacts or interface.quaternions
+    )
     if not (rates and stages) or others or interface.solve != "straight":
         return None
     code = re.sub(r"/\*.*?\*/", "", rates, flags=re.S)
@@ -250,16 +288,24 @@ def lanes(interface: Interface, sources: Mapping[str, str]) -> dict[str, str] | 
         near = library(DOUBLE.language).part("sine_cosine_near", {}).text
         parts += [_without_branches(near.replace("lagc_", "").replace("LAGC_", "")), _TURN]
     parts += [_each(function, 1 + (function in TWO)) for function in sorted(called & {*ONE, *TWO})]
-    parts += [_wide(rates), _RATES, _wide(stages), _ATTEMPT]
+    parts += [_wide(rates), _RATES, _wide(stages), _wide(error), _ATTEMPT]
     text = "\n".join(parts)
-    made = [f'#include "{name}.c"\n', _RUN]
-    for width, needed in WIDTHS.items():
+    made = [f'#include "{name}.c"\n#include <string.h>\n', _RUN.replace("LARGEST", str(max(WIDTHS)))]
+    for width, needed in widths.items():
         own = re.sub(r"\b(Wide|Mask|wide)(?=\w*\b)", rf"\g<1>{width}", text).replace("LANES", str(width))
         target = f'static __attribute__((target("{needed}"))) '
         made.append(re.sub(r"^static (?:inline )?(?!const)", target, own, flags=re.M))
-    choice = "".join(f"    if ({_has(needed)}) {{\n        return {width};\n    }}\n" for width, needed in WIDTHS.items())
-    attempts = " else ".join(f"if (lanes == {width}) {{\n            wide{width}_attempt(active, good);\n        }}" for width in WIDTHS)
-    driver = _DRIVER.replace("CHOICE", choice).replace("ATTEMPTS", attempts).replace("LARGEST", str(max(WIDTHS)))
+    choice = "".join(
+        f"    if ({_has(needed)}) {{\n        return {width};\n    }}\n" for width, needed in widths.items()
+    )
+    attempts = " else ".join(
+        f"if (lanes == {width}) {{\n            wide{width}_attempt(active, room->params, times, o, good);\n"
+        "        }"
+        for width in widths
+    )
+    driver = (
+        _DRIVER.replace("CHOICE", choice).replace("ATTEMPTS", attempts).replace("LARGEST", str(max(WIDTHS)))
+    )
     made.append(driver.replace("NAME", name))
     return {**sources, f"{name}_lanes.c": "\n".join(made)}
 
@@ -278,14 +324,27 @@ def _wide(text: str) -> str:
     """Return code over vectors: types and functions have other names, and a number alone is spread."""
     text = re.sub(r"\bdouble\b", "Wide", text)
     text = re.sub(r"\b(Params|State|Work)\b", r"Wide\1", text)
-    names = "|".join([*PLAIN - {"double", "void"}, "rhs_at", f"{METHOD}_stages", "sine_cosine_near"])
+    names = "|".join(
+        [
+            *PLAIN - {"double", "void"},
+            "rhs_at",
+            f"{METHOD}_stages",
+            f"{METHOD}_error_sums",
+            "sine_cosine_near",
+        ]
+    )
     text = re.sub(rf"\b({names})\(", r"wide_\1(", text)
-    return re.sub(r"(?<=[\w\]] = )(-?\d+\.\d*(?:e[+-]?\d+)?|-?\d+e[+-]?\d+);", r"\1 + (Wide){-0.0};", text)
+    return re.sub(r"(?<=[\w\]] = )(-?\d+\.\d*(?:e[+-]?\d+)?|-?\d+e[+-]?\d+);", r"\1 - (Wide){0};", text)
 
 
 def _without_branches(text: str) -> str:
     """Return a function whose truth values are masks: choices by bits, and no short circuits."""
-    text = _wide(text).replace("int ", "Mask ", 1).replace("const int ", "const Mask ").replace("const long ", "const Mask ")
+    text = (
+        _wide(text)
+        .replace("int ", "Mask ", 1)
+        .replace("const int ", "const Mask ")
+        .replace("const long ", "const Mask ")
+    )
     text = re.sub(r"\(long\)(\w+)", r"(Mask)(\1 + ROUNDER)", text)  # its last bits
     text = re.sub(r"= (.+?) \? (.+?) : (.+?);", r"= wide_pick(\1, \2, \3);", text)
     return text.replace("&&", "&").replace("||", "|")
@@ -297,5 +356,6 @@ def _each(name: str, arguments: int) -> str:
     formal, actual = ", ".join(f"Wide {a}" for a in letters), ", ".join(f"{a}[n]" for a in letters)
     return (
         f"static inline Wide wide_{name}({formal})\n{{\n    Wide found = a;\n"
-        f"    for (int n = 0; n < LANES; n++) {{\n        found[n] = {name}({actual});\n    }}\n    return found;\n}}\n"
+        f"    for (int n = 0; n < LANES; n++) {{\n        found[n] = {name}({actual});\n    }}\n"
+        "    return found;\n}\n"
     )

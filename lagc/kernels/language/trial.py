@@ -1,7 +1,7 @@
 """The records of one attempted step, and of sensitivities."""
 
 from lagc.kernels.language.sizes import *
-from lagc.kernels.language.words import Count, Mat, Real, Vec, struct
+from lagc.kernels.language.words import Count, Mat, Real, Status, Vec, struct
 
 
 @struct

@@ -9,6 +9,7 @@ import pickle
 from _thread import _local as Local
 from array import array
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from math import fsum, inf, nan, sqrt
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -17,7 +18,7 @@ from lagc.base.records import dataclass, replace
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.host.cache import tool_fingerprint
 from lagc.kernels import DEFAULT_METHOD
-from lagc.simulation.repeated import repeated
+from lagc.simulation.repeated import RunsByHand, repeated
 from lagc.simulation.request import Request, given_values
 from lagc.simulation.solution import columns_of
 from lagc.simulation.supervision import MOST_TIME, Forecast
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 
 STATUSES = ("ok", "terminated", "failed", "refused")  # a row has the index of one, or NaN: not run
 FIRST = ("status", "t", "estimated")  # numbers of a row before its columns
+BLOCK = 64  # runs that are made at once
+ALONE = 1.0  # s of runs before they are: the code for that is compiled first
 MOST_WORDS = 300  # characters of a message
 
 Progress = Callable[[float], None]
@@ -91,18 +94,22 @@ def run(task: Task, first: int, points: Sequence[Point], progress: Progress = la
     rows, reasons = array("d"), dict[int, tuple[str, str]]()
     watched = Forecast(progress, task.request.stop or 0.0, task.most_time)
     for k, point in enumerate(points):
+        if k % BLOCK == 0 and runner.spent > ALONE:
+            runner.ahead(points[k : k + BLOCK])
         row, reason = runner.row(point, watched)
         rows.extend(row)
         if reason is not None:
             reasons[k] = reason
-    return Record(first, rows.tobytes(), reasons, perf_counter() - began)
+    seconds = perf_counter() - began
+    runner.spent += seconds
+    return Record(first, rows.tobytes(), reasons, seconds)
 
 
 class Runner:
     """The runs of a task in this thread."""
 
     def __init__(self, task: Task, model: Any):
-        self.task, self.model = task, model
+        self.task, self.model, self.spent = task, model, 0.0
         interface = model.artifact.interface
         self.columns, self.last = columns_of(interface), task.keep == ("final",)
         # Where the values of a point go: the places of parameters in p, and of initial values in x.
@@ -118,24 +125,40 @@ class Runner:
             taking = model.taking(task.request.method or DEFAULT_METHOD)
             self.repeated = repeated(taking.system("c"), task.request, self.columns, self.last)
 
+    def _given(self, point: Point) -> tuple[list[float], dict[str, float]]:
+        """Return the array p and the initial values of a point.  Raises Refused."""
+        values, starts = list(self.task.values), {**self.task.request.starts}
+        for k, i, field in self.varied:
+            value = values[i] = point[k]
+            if field.whole or not field.minimum <= value <= field.maximum:
+                _keep_bounds(field, value)
+        for k, name in self.starts:
+            starts[name] = point[k]
+        return values, starts
+
+    def _places(self, starts: Mapping[str, float]) -> dict[int, float]:
+        return {self.place[name]: value for name, value in starts.items()}
+
+    def ahead(self, points: Sequence[Point]) -> None:
+        """Make the next runs side by side, where that is possible."""
+        if isinstance(self.repeated, RunsByHand):
+            given = []
+            for point in points:
+                with suppress(Refused):
+                    values, starts = self._given(point)
+                    given.append((values, self._places(starts)))
+            self.repeated.ahead(given)
+
     def row(self, point: Point, progress: Progress) -> tuple[list[float], tuple[str, str] | None]:
         """Return the numbers of a run, and the code and the message of one that did not go as asked."""
-        values, starts = list(self.task.values), {**self.task.request.starts}
         try:
-            for k, i, field in self.varied:
-                value = values[i] = point[k]
-                if field.whole or not field.minimum <= value <= field.maximum:
-                    _keep_bounds(field, value)
-            for k, name in self.starts:
-                starts[name] = point[k]
-            if self.repeated is not None:
-                places = {self.place[name]: value for name, value in starts.items()}
-                if self.repeated.run(values, places, progress):
-                    times = self.repeated.times
-                    known = 0.0, times[-1], self.repeated.estimated
-                    if self.last:
-                        return [*known, *self.repeated.row(len(times) - 1)], None
-                    return [*known, *statistics(self.task.keep, times, self.repeated.columns())], None
+            values, starts = self._given(point)
+            plain = self.repeated
+            if plain is not None and plain.run(values, self._places(starts), progress):
+                known = 0.0, plain.times[-1], plain.estimated
+                if self.last:
+                    return [*known, *plain.row(len(plain.times) - 1)], None
+                return [*known, *statistics(self.task.keep, plain.times, plain.columns())], None
             request = replace(self.task.request, starts=starts)
             return self._of(self.model.simulate(request, values, progress))
         except Refused as refused:
