@@ -391,6 +391,20 @@ def plans_attempt(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Tria
     return True
 
 
+def hides_event(p: Params, s: State, status: Status, o: Options, a: Trial, w: Work) -> bool:
+    """Return whether something narrow may lie between the stages of an acceptable attempt: the step goes on
+    with the part that excludes it."""
+    if failed(status) or not a.error <= 1.0 or o.step > 0.0 or a.reductions == MOST_REDUCTIONS:
+        return False
+    hidden = find_hidden_event(p, s, o.method, a, o.rtol, w)
+    if hidden < 1.0:
+        a.size *= hidden if hidden > LEAST_REDUCTION else LEAST_REDUCTION
+        s.rejected += 1
+        a.reductions += 1
+        return True
+    return False
+
+
 def accepts_attempt(p: Params, s: State, t1: Real, status: Status, o: Options, a: Trial, w: Work) -> bool:
     """Return whether an attempt is accepted; else reduce the size of the next one."""
     # A failed evaluation may lie beyond what the motion reaches: a quarter of the step is tried. Its status
@@ -412,8 +426,6 @@ def accepts_attempt(p: Params, s: State, t1: Real, status: Status, o: Options, a
 
 def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w: Work) -> Status:
     """Attempt steps towards `goal` until one is accepted, a.is_accepted, or the call ends."""
-    if NGUARD > 0:
-        reductions = 0
     # Each turn is one attempt: plan it, compute it, look for what forbids it (a turning slip, a hidden event,
     # a crossing), accept or reduce. Guards come first: crossings are sought on a true dense output.
     while True:
@@ -427,15 +439,9 @@ def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w
                 a.rejected += 1
                 s.rejected += 1
                 continue
-        # Something narrow may lie between the stages: the step goes on with the part that excludes it.
         if NGUARD > 0:
-            if not failed(status) and a.error <= 1.0 and o.step == 0.0 and reductions < MOST_REDUCTIONS:
-                hidden = find_hidden_event(p, s, o.method, a, o.rtol, w)
-                if hidden < 1.0:
-                    a.size *= hidden if hidden > LEAST_REDUCTION else LEAST_REDUCTION
-                    s.rejected += 1
-                    reductions += 1
-                    continue
+            if hides_event(p, s, status, o, a, w):
+                continue
         # A step that contains a crossing is repeated to end there, and may then fail or be rejected.
         if NFREE > 0:
             if not failed(status) and a.error <= 1.0:

@@ -15,7 +15,7 @@ from lagc.reports.equations.page import page
 from lagc.reports.equations.plain_text import TextWriter
 from lagc.reports.equations.write import write
 from lagc.reports.patterns.formula_trees import Linear, Series, Symbol, Term, Total, all_of, terms_of, value
-from lagc.reports.patterns.index_rules import FEW, _key, _are_equal, rule, summed
+from lagc.reports.patterns.index_rules import FEW, _are_equal, _key, rule, summed
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.walk import evaluate
 from tests.reports.models import rows

@@ -14,12 +14,20 @@ from collections.abc import Mapping
 
 from lagc.codegen.kernel_compiler.library import library
 from lagc.codegen.kernel_compiler.real_types import DOUBLE
-from lagc.lowering.program import Interface
 
 METHOD = "dop853"
 WIDTHS = {8: "avx512f,avx512dq,avx512vl", 4: "avx2"}  # lanes, and what a processor needs
 ONE, TWO = ("sqrt", "exp", "log", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh"), ("pow", "atan2")
-PLAIN = {"fn_rhs", "sine_cosine", "sine_cosine_two", *ONE, *TWO, "double", "void"}
+SINES = ("sine_cosine", "sine_cosine_two")
+# What functions of a model may call: the driver has nothing else to do than here.
+CALLS: dict[str, set[str]] = {
+    "step_once": {"evaluate_start", "failed", "report_culprit", "choose_step_size", "fade_roundoff", "find_step",
+                  "accept_step"},
+    "find_step": {"plans_attempt", "try_step", "failed", "report_culprit", "accepts_attempt", "hides_event"},
+    "finish_step": {"not_finite", "failed", "rhs_at", "end_rate_row"},
+    "rhs_at": {"fn_rhs", "rhs_any_rank", "not_finite"},
+    "fn_rhs": {*SINES, *ONE, *TWO},
+}  # fmt: skip
 
 _VECTORS = """\
 typedef double Wide __attribute__((vector_size(8 * LANES)));
@@ -106,7 +114,7 @@ static void wide_attempt(Run *const *runs, const double *params, const double *t
         }
         run->a.error = dop853_error_of_sums(sums[0][n], sums[1][n]);
         /* The other stages serve an estimate of round-off, the test of stiffness, and dense output. */
-        const int used = (run->a.error > 1.0) || (run->s.stability_due <= TESTED)
+        const int used = GUARDED(run->a.error > 1.0) || (run->s.stability_due <= TESTED)
             || (times[run->done] < run->a.t_new);
         for (int j = 1; (j < 12) && used; j++) {
             for (int i = 0; i < NX; i++) {
@@ -115,6 +123,11 @@ static void wide_attempt(Run *const *runs, const double *params, const double *t
         }
     }
 }
+"""
+_GUARD = """\
+    if (hides_event(&run->p, &run->s, status, o, a, &run->w) != 0) {
+        return;
+    }
 """
 _RUN = """\
 typedef struct {
@@ -182,7 +195,7 @@ static void end_attempt(Run *run, double t1, const Options *o, int good)
     } else {
         status = try_step(&run->p, &run->s, o, a, &run->w);
     }
-    if (accepts_attempt(&run->p, &run->s, t1, status, o, a, &run->w) != 0) {
+GUARD    if (accepts_attempt(&run->p, &run->s, t1, status, o, a, &run->w) != 0) {
         run->s.rhs += good;
         a->leaves_end_rate = 0;
         accept_step(&run->p, &run->s, t1, o, a, &run->w);
@@ -262,9 +275,7 @@ void NAME_record_runs(const Params *p, const double *x, long count, const Option
 """
 
 
-def lanes(
-    interface: Interface, sources: Mapping[str, str], widths: Mapping[int, str] = WIDTHS
-) -> dict[str, str] | None:
+def lanes(sources: Mapping[str, str], widths: Mapping[int, str] = WIDTHS) -> dict[str, str] | None:
     """Return the `sources` of a model with a further file, for x86-64, that makes runs in lanes of these
     `widths`; None for a model that has events, constraints, or functions without vectors."""
     (name,) = [file.removesuffix(".h") for file in sources if file.endswith(".h")]
@@ -272,24 +283,20 @@ def lanes(
     rates, stages, error = (
         _function(source, f) for f in ("fn_rhs", f"{METHOD}_stages", f"{METHOD}_error_sums")
     )
-    others = (
-        interface.nc or interface.relations or interface.whens or interface.contacts or interface.quaternions
-    )
-    if not (rates and stages) or others or interface.solve != "straight":
+    others = any(not _called(_function(source, f)) <= known for f, known in CALLS.items())
+    if not stages or others or re.search(r"\?|\bint\b|\bstatic const\b", _code(rates)):
         return None
-    code = re.sub(r"/\*.*?\*/", "", rates, flags=re.S)
-    called = set(re.findall(r"\b(\w+)\(", code))
-    if not called <= PLAIN or re.search(r"\?|\bint\b|\bstatic const\b", code):
-        return None
+    called = _called(rates)
     params = re.search(rf"typedef struct (\{{[^{{}}]*\}}) {name}_params;", header)
     assert params is not None
     parts = [_VECTORS.replace("{PARAMS}", _wide(params[1]))]
-    if called & {"sine_cosine", "sine_cosine_two"}:
+    if called & {*SINES}:
         near = library(DOUBLE.language).part("sine_cosine_near", {}).text
         parts += [_without_branches(near.replace("lagc_", "").replace("LAGC_", "")), _TURN]
     parts += [_each(function, 1 + (function in TWO)) for function in sorted(called & {*ONE, *TWO})]
     parts += [_wide(rates), _RATES, _wide(stages), _wide(error), _ATTEMPT]
-    text = "\n".join(parts)
+    guards = "hides_event" in _called(_function(source, "find_step"))
+    text = "\n".join(parts).replace("GUARDED", "1 || " * guards)
     made = [f'#include "{name}.c"\n#include <string.h>\n', _RUN.replace("LARGEST", str(max(WIDTHS)))]
     for width, needed in widths.items():
         own = re.sub(r"\b(Wide|Mask|wide)(?=\w*\b)", rf"\g<1>{width}", text).replace("LANES", str(width))
@@ -304,7 +311,10 @@ def lanes(
         for width in widths
     )
     driver = (
-        _DRIVER.replace("CHOICE", choice).replace("ATTEMPTS", attempts).replace("LARGEST", str(max(WIDTHS)))
+        _DRIVER.replace("GUARD", _GUARD * guards)
+        .replace("CHOICE", choice)
+        .replace("ATTEMPTS", attempts)
+        .replace("LARGEST", str(max(WIDTHS)))
     )
     made.append(driver.replace("NAME", name))
     return {**sources, f"{name}_lanes.c": "\n".join(made)}
@@ -320,20 +330,28 @@ def _function(source: str, name: str) -> str:
     return found[0] if found else ""
 
 
+def _code(text: str) -> str:
+    """Return the body of a function without comments and notes on what is unused."""
+    return re.sub(r"/\*.*?\*/|\(void\)\(\w+\);", "", text.partition("{")[2], flags=re.S)
+
+
+def _called(text: str) -> set[str]:
+    return set(re.findall(r"\b([a-z]\w*)\(", re.sub(r"\b(if|while|for) \(", "", _code(text))))
+
+
 def _wide(text: str) -> str:
     """Return code over vectors: types and functions have other names, and a number alone is spread."""
     text = re.sub(r"\bdouble\b", "Wide", text)
     text = re.sub(r"\b(Params|State|Work)\b", r"Wide\1", text)
-    names = "|".join(
-        [
-            *PLAIN - {"double", "void"},
-            "rhs_at",
-            f"{METHOD}_stages",
-            f"{METHOD}_error_sums",
-            "sine_cosine_near",
-        ]
+    own = (
+        *CALLS["fn_rhs"],
+        "fn_rhs",
+        "rhs_at",
+        "sine_cosine_near",
+        f"{METHOD}_stages",
+        f"{METHOD}_error_sums",
     )
-    text = re.sub(rf"\b({names})\(", r"wide_\1(", text)
+    text = re.sub(rf"\b({'|'.join(own)})\(", r"wide_\1(", text)
     return re.sub(r"(?<=[\w\]] = )(-?\d+\.\d*(?:e[+-]?\d+)?|-?\d+e[+-]?\d+);", r"\1 - (Wide){0};", text)
 
 

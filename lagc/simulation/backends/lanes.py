@@ -23,7 +23,7 @@ class Lanes:
     CannotCompile."""
 
     def __init__(self, model: CModel, widths: Mapping[int, str] = WIDTHS):
-        sources = lanes(model.interface, model.sources, widths)
+        sources = lanes(model.sources, widths)
         if sources is None or machine() not in ("x86_64", "AMD64"):
             raise CannotCompile("there are no lanes for this model or this machine")
         self.library, self.prefix = library(sources), model.header[0]
