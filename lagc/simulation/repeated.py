@@ -31,7 +31,7 @@ from lagc.symbolic.leaves import derived
 
 SLICE = 20_000  # steps of a run by hand between two looks at the clock and at signals
 ZERO = c_double(0.0)
-MOST_NUMBERS = 100_000  # of a run in lanes
+MOST_NUMBERS = 20_000  # of a run in lanes
 MOVED = 2.0**-26  # of a coordinate: half of its digits
 
 Progress = Callable[[float], None]

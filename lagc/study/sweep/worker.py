@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 STATUSES = ("ok", "terminated", "failed", "refused")  # a row has the index of one, or NaN: not run
 FIRST = ("status", "t", "estimated")  # numbers of a row before its columns
-BLOCK = 64  # runs that are made at once
+BLOCK = 256  # runs that are made at once
 ALONE = 1.0  # s of runs before they are: the code for that is compiled first
 MOST_WORDS = 300  # characters of a message
 
