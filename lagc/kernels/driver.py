@@ -111,7 +111,7 @@ def prepare_newton(s: State, o: Options, h: Real, w: Work) -> None:
             w.newton.tolerance = NEWTON_TOLERANCE
 
 
-def judge_error(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
+def finish_attempt(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     """Finish an attempt whose error is known, without its round-off."""
     # Is it round-off that rejects the step? One more evaluation tells. It is made when an attempt was
     # rejected already, or round-off decided shortly before: not in each step.
@@ -145,7 +145,7 @@ def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
         if failed(status) or o.step > 0.0:
             return status
     a.error = method_error(o.method, a.h, s, w)
-    return judge_error(p, s, o, a, w)
+    return finish_attempt(p, s, o, a, w)
 
 
 def end_step_at_event(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:

@@ -56,8 +56,8 @@ def results(runs: RunsByHand, points: Sequence[tuple[list[float], Mapping[int, f
 
 
 # Two angles and one, the time, roots and other functions, models with many states.
-MODELS = ["double_pendulum", "simple_pendulum", "driven_oscillator", "kepler", "elastic_pendulum", "toda_lattice",
-          "three_body_figure_eight"]  # fmt: skip
+MODELS = ["double_pendulum", "simple_pendulum", "driven_oscillator", "kepler", "elastic_pendulum",
+          "toda_lattice", "three_body_figure_eight"]  # fmt: skip
 
 
 @pytest.mark.full

@@ -19,11 +19,12 @@ METHOD = "dop853"
 WIDTHS = {8: "avx512f,avx512dq,avx512vl", 4: "avx2"}  # lanes, and what a processor needs
 ONE, TWO = ("sqrt", "exp", "log", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh"), ("pow", "atan2")
 SINES = ("sine_cosine", "sine_cosine_two")
-# What functions of a model may call: the driver has nothing else to do than here.
+# Functions of the driver and all that they may call: a model that needs more has no lanes.
 CALLS: dict[str, set[str]] = {
-    "step_once": {"evaluate_start", "failed", "report_culprit", "choose_step_size", "fade_roundoff", "find_step",
-                  "accept_step"},
-    "find_step": {"plans_attempt", "try_step", "failed", "report_culprit", "accepts_attempt", "hides_event"},
+    "step_once": {"evaluate_start", "failed", "report_culprit", "choose_step_size", "fade_roundoff",
+                  "find_step", "accept_step"},
+    "find_step": {"plans_attempt", "try_step", "failed", "report_culprit", "accepts_attempt",
+                  "hides_event"},
     "finish_step": {"not_finite", "failed", "rhs_at", "end_rate_row"},
     "rhs_at": {"fn_rhs", "rhs_any_rank", "not_finite"},
     "fn_rhs": {*SINES, *ONE, *TWO},
@@ -183,7 +184,7 @@ static int plans_run(Run *run, const double *times, size_t n, double *states, co
     return 1;
 }
 
-/* Judge an attempt whose stages are known, or else do it here. */
+/* End an attempt whose stages are known, or else do it here. */
 static void end_attempt(Run *run, double t1, const Options *o, int good)
 {
     Trial *a = &run->a;
@@ -191,7 +192,7 @@ static void end_attempt(Run *run, double t1, const Options *o, int good)
     a->leaves_end_rate = good;
     if (good) {
         run->s.rhs += 11;
-        status = judge_error(&run->p, &run->s, o, a, &run->w);
+        status = finish_attempt(&run->p, &run->s, o, a, &run->w);
     } else {
         status = try_step(&run->p, &run->s, o, a, &run->w);
     }
