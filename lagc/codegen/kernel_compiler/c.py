@@ -8,7 +8,17 @@ from collections.abc import Mapping, Sequence
 
 from lagc.codegen.kernel_compiler.kernel_syntax import identifier, root
 from lagc.codegen.kernel_compiler.real_types import Arithmetic
-from lagc.codegen.kernel_compiler.type_check import MADE, PAIR, REAL, SCALARS, STATUS, VOID, WHOLE, Type, Types
+from lagc.codegen.kernel_compiler.type_check import (
+    MADE,
+    PAIR,
+    REAL,
+    SCALARS,
+    STATUS,
+    VOID,
+    WHOLE,
+    Type,
+    Types,
+)
 
 CHOICE, OR, AND, BITS, EQUAL, COMPARE, SHIFT, SUM, PRODUCT, SIGN, ATOM = range(1, 12)
 _OPERATORS = {
