@@ -11,7 +11,7 @@ import pytest
 
 from lagc.compiler.checking import check
 from lagc.compiler.stages import Choice
-from lagc.diagnostics.faults import Fault, Refused, Source
+from lagc.diagnostics.faults import Refused, Source
 from lagc.editor import document as documents
 from lagc.editor.document import Document, errors_of
 from lagc.editor.fixes import fix
@@ -151,7 +151,7 @@ from lagc.editor.document import Document
 from lagc.editor.fixes import fix
 from tests.editor.texts import PENDULUM
 document = Document("a.lag", PENDULUM.replace("sin(theta)", "sin(thet)"))
-assert fix(document, document.faults[0], lambda text: text.faults)
+assert fix(document, document.faults[0])
 assert document.hover(PENDULUM.index("l*{")) and document.completions(PENDULUM.index("l*{"))
 """
 
@@ -179,14 +179,10 @@ def test_a_look_ends_in_time(monkeypatch: pytest.MonkeyPatch) -> None:
     document = Document("a.lag", PENDULUM.replace("sin(theta)", "sin(thet)"))
     assert not document.settled and not document.faults
     document = Document("a.lag", PENDULUM.replace("cos(theta)});", "cos(theta)})"))
-    assert document.settled and fix(document, document.faults[0], faults) is None
+    assert document.settled and fix(document, document.faults[0]) is None
 
 
 # -- fixes -------------------------------------------------------------------------------------
-
-
-def faults(document: Document) -> list[Fault]:
-    return document.faults
 
 
 @pytest.mark.parametrize(
@@ -200,14 +196,14 @@ def faults(document: Document) -> list[Fault]:
 def test_a_fix_restores_the_text(right: str, wrong: str) -> None:
     assert PENDULUM.count(right) >= 1
     document = Document("a.lag", PENDULUM.replace(right, wrong, 1))
-    found = fix(document, errors_of(document.faults)[0], faults)
+    found = fix(document, errors_of(document.faults)[0])
     assert found is not None
     assert "".join(document.with_edits(found.edits).source.text.split()) == "".join(PENDULUM.split())
 
 
 def test_a_block_is_closed_by_a_line_of_its_own() -> None:
     document = Document("a.lag", PENDULUM.replace("  end gravity;\n", ""))
-    found = fix(document, errors_of(document.faults)[0], faults)
+    found = fix(document, errors_of(document.faults)[0])
     assert found is not None and found.title == "insert `end gravity;`"
     assert not errors_of(document.with_edits(found.edits).faults)
 
@@ -215,7 +211,7 @@ def test_a_block_is_closed_by_a_line_of_its_own() -> None:
 def test_no_fix_is_offered_that_does_not_help() -> None:
     document = Document("a.lag", PENDULUM.replace("= 50 [cm]", "= 50 [s]"))
     (fault,) = errors_of(document.faults)
-    assert fix(document, fault, faults) is None
+    assert fix(document, fault) is None
 
 
 @pytest.mark.full
@@ -230,7 +226,7 @@ def test_of_sixty_mistakes_most_have_a_fix(kind: str, least: int) -> None:
         tried += 1
         document = Document(str(found[0]), found[2], ROOTS)
         wrong = errors_of(document.faults)
-        fixed += bool(wrong) and fix(document, wrong[0], faults) is not None
+        fixed += bool(wrong) and fix(document, wrong[0]) is not None
     assert fixed >= least
 
 
@@ -246,4 +242,4 @@ def test_damaged_texts_have_answers(part: int) -> None:
             document.hover(offset)
             document.completions(offset)
         if found and k % 10 == 0:
-            fix(document, found[0], faults)
+            fix(document, found[0])
