@@ -20,7 +20,7 @@ def _as_list(lines: list[str], known: set[str]) -> list[str]:
         begins = _LINE.match(line)
         if begins is not None and {*begins[1].split(", ")} <= known:
             names = ", ".join(f"`{name}`" for name in begins[1].split(", "))
-            found += [*([] if inside else [""]), f"- {names}: {line[begins.end():]}"]
+            found += [*([] if inside else [""]), f"- {names}: {line[begins.end() :]}"]
             inside = True
         else:
             inside = inside and bool(line.strip())
