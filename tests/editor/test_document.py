@@ -113,6 +113,15 @@ def test_names_of_other_files_are_found(tmp_path: Path) -> None:
     use = document.names.at(text.index("far"))
     assert use is not None and use.target.place.source.name.endswith("lib.lag") and use.target.place.line == 2
     assert "far away" in document.about(use.target)
+    with pytest.raises(Refused, match="declared in"):
+        document.renamed(use, "near")
+
+
+def test_names_that_a_model_of_another_file_declares_are_found(tmp_path: Path) -> None:
+    (tmp_path / "lib.lag").write_text("model Base\n  coordinate Length x;\nend Base;\n")
+    text = 'import "lib.lag";\nmodel M extends Base;\n  output Length y = 2*x;\nend M;\n'
+    use = Document(str(tmp_path / "a.lag"), text, (str(tmp_path),)).names.at(text.index("x;"))
+    assert use is not None and use.target.place.source.name.endswith("lib.lag") and use.target.place.line == 2
 
 
 def rename(text: str, place: str, name: str) -> str:
