@@ -381,6 +381,8 @@ def _count_text(facts: Facts) -> list[str]:
     n, p = count["speeds"], count["rows"]
     lines = [f"n + p = {n} + {p}: as many unknowns (accelerations, multipliers) as equations"]
     seems = facts["seems"]
+    # Configurations and velocities have the same freedom unless constraints on velocities are not
+    # integrable.
     freedom = str(facts["degrees_of_freedom"])
     if facts["positional_freedom"] != facts["degrees_of_freedom"]:
         freedom += f" of the velocities, {facts['positional_freedom']} of the positions"

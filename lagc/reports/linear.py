@@ -48,6 +48,7 @@ def text(linear: Linear, verbose: bool = False, times: int = 1) -> str:
     interface = linear.system.interface
     names, units = interface.state_names, interface.state_units
     most = MOST // times if large(linear) else MOST
+    # States, then the matrices where they are small, then the spectrum.
     n = len(names) if verbose or len(names) <= MOST else most
     width = max((len(name) for name in names[:n]), default=0)
     lines = [f"  {names[k]:{width}} = {_value(linear.x[k], units[k])}" for k in range(n)]

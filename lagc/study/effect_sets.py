@@ -45,6 +45,7 @@ def study(
     of other initial states."""
     found, began = comparison.found, perf_counter()
     try:
+        # Sets are predicted from the curves of single effects, so these come first.
         measure_alone(comparison, closure, offered, progress)
         _sets(comparison, accuracies, progress)
         for start, make in (elsewhere or {}).items():

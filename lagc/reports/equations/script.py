@@ -48,6 +48,7 @@ def write_script(equations: EquationsOfMotion, modes: Sequence[tuple[str, Page]]
     dict `modes` has lists of equations and conditions by the titles of modes, `impacts` pairs of what changes
     and its new value, `laws` the laws of two-sided contacts."""
     _, found = modes[0]
+    # Symbols are declared once, for the equations of open contacts and for those of all modes.
     declared = _declared(equations, found.names)
     parts = _parts(found) if found.ruled else []
     declared += [(name, "Function", "", "") for name in parts if indices(name)]
@@ -231,6 +232,7 @@ def _declarations(declared: Sequence[Declared], writer: ScriptWriter) -> list[st
     if not writer.ruled:
         return [_declaration(writer.variables[name], repr(name), *how) for name, *how in declared]
     nothing, lines, begun = Total(()), [], set[str]()
+    # Declarations of families are lines too, whose rules make dicts by index.
     as_lines = [
         Line(
             "\n".join([how, unit, _plain(INDEX.sub("", description))]), name, indices(name), nothing, nothing
@@ -389,6 +391,8 @@ def matrices(equations: EquationsOfMotion) -> Matrices:
     from lagc.symbolic.sympy import to_sympy
 
     zero, nv, nc = equations.graph.zero, len(equations.v), len(equations.rows)
+    # M is symmetric, and kept by its lower half. All expressions are changed at once, so that shared parts
+    # are.
     pairs = [(max(i, j), min(i, j)) for i in range(nv) for j in range(nv)]
     parts = [
         list(equations.q),
