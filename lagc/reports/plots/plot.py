@@ -13,7 +13,6 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
-from math import ceil
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -29,6 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lagc.lowering.program import Interface
+    from lagc.simulation.linearization.linear_model import Linear
     from lagc.simulation.solution import Solution
 
 # Okabe, Ito
@@ -264,10 +264,6 @@ def _matplotlib() -> Any:
     return matplotlib
 
 
-if TYPE_CHECKING:
-    from lagc.simulation.solution import Solution
-
-
 def solution_html(solution: Solution) -> str:
     """The plot as SVG where matplotlib is installed, else the final values as a table."""
     try:
@@ -285,11 +281,6 @@ def table(solution: Solution) -> str:
     head = "<tr><th>name</th><th>value</th><th>unit</th></tr>"
     return f"<table><caption>{caption}</caption>{head}{body}</table>"
 
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from lagc.simulation.linearization.linear_model import Linear
 
 MOST = 12  # modes of a picture
 LEVEL = 6  # names that stand level below an axis
@@ -334,7 +325,7 @@ def plot_modes(linear: Linear, title: str, path: str | None = None) -> Figure:
             axes[0].set_title("no eigenvalues but 0", fontsize=8, loc="left")
         # Names of coordinates stand below the lowest panels alone: level, slanted, or every second, third,
         # ...
-        every = ceil(nq / NAMED)
+        every = math.ceil(nq / NAMED)
         labels = [f"{name} [{unit}]" if unit else name for name, unit in zip(names, interface.q_units)]
         slanted: dict[str, Any] = {"rotation": 45, "ha": "right", "rotation_mode": "anchor"}
         for axis in lowest:
