@@ -333,7 +333,7 @@ def quantity(value: float, unit: str) -> str:
 
 
 def _speed_lines(facts: Facts) -> list[str]:
-    """Only where they are more than the rates of the coordinates."""
+    """Return the speeds, unless they are the rates of the coordinates."""
     speeds = facts["speeds"]
     rates = {derived(c["name"]) for c in facts["coordinates"]}
     if all(s["name"] in rates for s in speeds):

@@ -89,7 +89,7 @@ def _spectrum(linear: Linear, names: Sequence[str], most: int, verbose: bool) ->
 
 
 def _listed(names: Sequence[str], verbose: bool) -> str:
-    """As many as there is room for; what is left is counted."""
+    """Return as many names as there is room for, and how many more there are."""
     if verbose or len(names) <= MOST:
         return ", ".join(names)
     return ", ".join(names[:MOST]) + f" and {len(names) - MOST} more"

@@ -108,7 +108,7 @@ def _verify(comparison: Comparison, start: str, make: Make) -> None:
 
 
 def _candidates(comparison: Comparison, usable: Sequence[Change]) -> Iterable[_Set]:
-    """All sets that are closed: with an effect, those that need it."""
+    """Yield the sets of effects that are closed: with an effect, those that need it."""
     found = comparison.found
     stepping = _stepping(found)
     by_name = {one.effect: one for one in usable}

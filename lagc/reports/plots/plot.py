@@ -95,7 +95,8 @@ def has_display() -> bool:
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """In the style of these pictures, which matplotlib holds for all threads: one at a time."""
+    """Draw in the style of these pictures. matplotlib has one style for all threads, so one draws at a
+    time."""
     with _TURN, _matplotlib().rc_context(STYLE):
         yield
 
@@ -158,7 +159,7 @@ def panels(figure: Figure, count: int, height: float) -> tuple[list[Axes], list[
 
 
 def entitle(figure: Figure, text: str) -> None:
-    """In lines that the figure has room for."""
+    """Write a title, broken into lines that the figure has room for."""
     wide = int(LETTERS * figure.get_size_inches()[0])
     lines = [fill(line, wide) for line in printable(text).splitlines()]
     figure.suptitle("\n".join(lines), fontsize=9, x=0.01, ha="left")
