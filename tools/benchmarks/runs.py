@@ -51,7 +51,7 @@ def in_c(system: lagc.CompiledModel) -> Callable[[], None]:
     return run
 
 
-def sweep(system: lagc.CompiledModel, alone: float, **given: float) -> Callable[[], None]:
+def sweep(system: lagc.CompiledModel, alone: float, **given: Any) -> Callable[[], None]:
     """Return a sweep that makes single runs for the first `alone` seconds."""
 
     def run() -> None:
