@@ -30,7 +30,11 @@ class Result(NamedTuple):
 
 
 def errors(
-    model: str, folder: Path, versions: Sequence[int] = (3, 2), horizon: float = inf, limit: float | None = None
+    model: str,
+    folder: Path,
+    versions: Sequence[int] = (3, 2),
+    horizon: float = inf,
+    limit: float | None = None,
 ) -> list[Result]:
     """Build, validate and simulate the FMUs of a library model, as long as its scene or the horizon; a run
     that takes more than `limit` seconds is a problem."""
@@ -47,7 +51,7 @@ def errors(
         for kind in ("CoSimulation", "ModelExchange"):
             try:
                 measured.append(_simulated(str(path), kind, run, system.interface, limit))
-            except Exception as error:  # noqa: BLE001  (FMPy raises no other)
+            except Exception as error:  # of FMPy, which has no other class
                 problems.append(f"{kind}: {error}")
                 measured.append(inf)
         found.append(Result(model, version, problems, *measured))

@@ -199,14 +199,14 @@ class Runtime:
         found = {}
         for part in self.use.records:
             lines = []
-            for name, kind, lead, trail in self._kept(part):
+            for name, kind, lead, trail in self._members_in_use(part):
                 lines += [f"    {line}" for line in block_comment("\n".join(lead)).splitlines()]
                 lines += _annotated(f"    {printer.declared(tuple(kind), name)};", trail)
             head, body = block_comment(part.note), "\n".join(lines)
             found[part.name] = f"{head}typedef struct {{\n{body}\n}} lagc_{snake(part.name)};\n"
         return found
 
-    def _kept(self, part: Part) -> list[tuple[str, Sequence[str], Sequence[str], str]]:
+    def _members_in_use(self, part: Part) -> list[tuple[str, Sequence[str], Sequence[str], str]]:
         """Return the members of a record; of the workspace of code that evaluates only those that it uses."""
         if not self.only or part.name != "Work":
             return [*part.members]

@@ -275,8 +275,8 @@ def kind(value: Value) -> str:
 def vector_of(
     value: Value, span: Span, what: str, along: str | None = None
 ) -> tuple[Vector, Dimension | None]:
-    """Return the three components (world axes) and their dimension.  Raises Wrong; `along` is the remedy where
-    it is a number."""
+    """Return the three components (world axes) and their dimension.  Raises Wrong, for a number with the
+    remedy `along`."""
     if isinstance(value, Body):
         return value.position, M
     if isinstance(value, Array) and len(value.elements) == 3:
