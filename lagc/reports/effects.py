@@ -12,6 +12,7 @@ from lagc.study.effects import AS_LONG, Change, Choice, Effects, Elsewhere, join
 
 def text(found: Effects, heading: str) -> str:
     """Return the report for a terminal."""
+    # The head says what is compared, the tables what each effect does, the advice what to leave out.
     count = len(found.effects)
     compared = ", ".join(f"{name} ({_scale(found, name)})" for name in found.scales)
     counted = f"{count} {'effect' if count == 1 else 'effects'}, {found.operations} operations"
@@ -154,6 +155,7 @@ def _also(also: Sequence[Elsewhere]) -> list[str]:
 def to_dict(found: Effects) -> dict[str, Any]:
     """Return the study as the object that `lagc effects --json` prints."""
 
+    # JSON has no infinity: a time that was not measured is null.
     def change(one: Change) -> dict[str, Any]:
         return {
             "effect": one.effect, "with": list(one.along), "change": one.change, "bar": one.bar,

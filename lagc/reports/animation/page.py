@@ -44,6 +44,7 @@ def page_data(shown: Shown) -> dict[str, Any]:
         if place is not None:
             joints.append({"name": joint.name, "kind": joint.kind, "place": place,
                            "axis": _axis(channels, frames, joint.axis)})  # fmt: skip
+    # A page carries the channels of the places that it draws; the others are null, so that indices stay.
     used = _used(shown, [joint["place"] for joint in joints])
     data = scene.as_data()
     for figure, record in zip(scene.figures, data["figures"]):
@@ -69,7 +70,7 @@ def page_data(shown: Shown) -> dict[str, Any]:
 
 def _axis(channels: Channels, frames: Frames, axis: Vector | None) -> list[list[float]] | None:
     """Return the channels of an axis over the frames."""
-    return None if axis is None else channels.add_all(values(axis, frames.given, len(frames.t)))
+    return None if axis is None else channels.add_all(values(axis, frames.symbol_values, len(frames.t)))
 
 
 def _used(shown: Shown, joints: list[int]) -> set[int]:
@@ -173,6 +174,7 @@ class Channels:
         low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 0.0)
         if high - low <= 1e-13 * max(abs(low), abs(high)) and len(finite) == len(x):
             return [low]
+        # The last level stands for a value that is not finite.
         share = (x - low) / (high - low or 1.0)
         levels = np.where(np.isfinite(x), np.round(np.nan_to_num(share) * LEVELS), NO_VALUE).astype("<u2")
         key = hashlib.sha256(levels.tobytes()).digest()
@@ -219,6 +221,7 @@ def panels(shown: Shown, channels: Channels) -> list[dict[str, Any]]:
     run, model, found = shown.run, shown.scene.model, list[dict[str, Any]]()
     described = {x.name: x.description for x in (*model.coordinates, *model.outputs, *model.parameters)}
     units, known = run.units, scales(run)
+    # A panel for each unit, then the two errors of the run, folded: energy and constraints.
     for unit, names in by_unit(run, shown_names(run)).items():
         factor = 180.0 / math.pi if "deg" in unit and not unit.startswith("orientation") else 1.0
         columns = [

@@ -124,6 +124,7 @@ def write_reactions(draft: Draft) -> None:
 def _modes(draft: Draft) -> list[tuple[str, list[Held]]]:
     """Return the rows that hold in each mode of the model; none where M is not diagonal."""
     equations, say = draft.equations, draft.say
+    # By hand M^-1 is written where M is diagonal, and for one contact, whose modes are few.
     diagonal = all(i == j for i, j in equations.mass_matrix) and len(equations.mass_matrix) == len(
         equations.v
     )
@@ -143,6 +144,8 @@ def _modes(draft: Draft) -> list[tuple[str, list[Held]]]:
     (slip,), (speed,) = contact.slips, slip_speeds(contact)
     if speed != slip.rate:
         draft.writer.meanings.setdefault(speed, slip.rate)
+    # While it slips, friction is -mu sgn(u) times the normal force, so one unknown acts along both
+    # directions.
     along, friction = dict(contact.jacobian), -(contact.frictions[0] * draft.graph.unary("sign", speed))
     for j, slope in slip.jacobian.items():
         along[j] = along.get(j, draft.graph.zero) + friction * slope
@@ -163,6 +166,7 @@ def _solved(draft: Draft, rows: Sequence[Held]) -> list[Row]:
     def product(left: Mapping[int, Node], right: Mapping[int, Node]) -> Node:
         return graph.sum(g * right[j] / mass[j] for j, g in left.items() if j in right)
 
+    # G M^-1 D and gamma - G M^-1 (tau - h), by Cramer for one or two unknowns.
     A = [[product(row.gradient, each.direction) for each in rows] for row in rows]
     b = [row.bias - product(row.gradient, dict(enumerate(applied))) for row in rows]
     quotients = [(b[0], A[0][0])]
@@ -179,6 +183,7 @@ def _solved(draft: Draft, rows: Sequence[Held]) -> list[Row]:
 def _quotient_row(draft: Draft, force: Node, top: Node, bottom: Node) -> Row:
     """Return force = top/bottom with common factors cancelled. Raises TooLarge beyond `TERMS`."""
     writer, algebra, least = draft.writer, draft.writer.algebra, dict[int, Exponent]()
+    # Above and below are multiplied by the powers that leave no fraction within, then by what they share.
     pair = writer.polynomials([top, bottom])
     for atom, e in [factor for p in pair for monomial in p for factor in monomial]:
         least[atom] = min(least.get(atom, 0), e, 0)

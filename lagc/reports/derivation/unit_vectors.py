@@ -93,6 +93,8 @@ class UnitVectors:
         """Return the angles A, with signed axes s and c, for which a vector has a part
         k (s sin A + c cos A)."""
         parts = [self._split(p) for p in self._polynomials(vector)]
+        # A turn in a plane of the world: the sine stands in one component alone, the cosine in another one,
+        # with equal factors.
         tables = [x[0] for x in parts if x is not None]
         if len(tables) < 3:
             return []
@@ -202,6 +204,7 @@ class UnitVectors:
             return None
         for angle in [each for each in self.turning if each in angles]:
             turn = self.turning[angle]
+            # S sin A + C cos A = alpha u + beta v, compared component by component along s and c.
             S, C = ([table.get(angle, ({}, {}))[k] for table, _ in known] for k in (0, 1))
             (i, s), (j, c) = turn.s, turn.c
             alpha, beta = scaled(S[i], Fraction(s)), scaled(C[i], Fraction(s))  # S = alpha s - beta c

@@ -119,12 +119,14 @@ def formulas(
     motion = motion or divided
     known = nonnegative(equations)
     work = min(WORK + PER_ENTRY * len(equations.v) ** 2, MOST_WORK)
+    # From the most readable to the one that always ends: multiplied out, with total angles taken together
+    # along frames, with names for shared parts.
     for kind in kinds:
         algebra = kind(known, work)
         with suppress(TooLarge):
             collector = collector_of(SymbolKinds(equations), algebra)
             found = everything(equations, collector, motion(equations, collector), laws)
-            algebra.rest()
+            algebra.end_limit()
             return with_long_sums(equations, collector, found)
     naming = NamingAlgebra(equations.graph, shared(_roots(equations, laws)), known)
     collector = collector_of(SymbolKinds(equations), naming)
@@ -168,7 +170,7 @@ class Formulas:
 def everything(
     equations: EquationsOfMotion, collector: Collector, motion: Sequence[Formula], laws: Sequence[Law] = ()
 ) -> list[Formula]:
-    """All formulas, with those of `motion`."""
+    """Return all formulas; `motion` are the equations of motion among them."""
     return [
         *_kinematic(equations, collector),
         *motion,
@@ -237,8 +239,10 @@ def collector_of(kinds: SymbolKinds, algebra: Algebra, within: Sequence[Node] | 
 
 
 def with_long_sums(equations: EquationsOfMotion, collector: Collector, formulas: list[Formula]) -> Formulas:
-    """With a symbol for each long sum under a root or below a line that is written twice or more."""
+    """Return the formulas with a symbol for each long sum, under a root or in a denominator, that is written
+    twice or more."""
     algebra = collector.algebra
+    # How often each atom is written: an atom that is met again brings its arguments once.
     times: dict[int, int] = {}
     pending: list[int | Sum | None] = [part for f in formulas for part in (f.left, f.right, f.condition)]
     while pending:
@@ -349,7 +353,7 @@ def _events(equations: EquationsOfMotion, collector: Collector) -> list[Formula]
 
 
 def _roots(equations: EquationsOfMotion, laws: Sequence[Law]) -> list[Node]:
-    """Of what the formulas are made."""
+    """Return the expressions that the formulas are made of."""
     return [
         *equations.qdot,
         *[entry for row in equations.mass_rows(range(len(equations.v))) for entry in row.values()],
@@ -361,7 +365,7 @@ def _roots(equations: EquationsOfMotion, laws: Sequence[Law]) -> list[Node]:
 
 
 def conditions(equations: EquationsOfMotion, laws: Sequence[Law]) -> list[Node]:
-    """Of what the formulas of constraints, contacts and events are made."""
+    """Return the expressions that the formulas of constraints, contacts and events are made of."""
     events = [node for when in equations.whens for pair in when.changes for node in pair]
     held = [node for law in laws for node in (law.left, law.right)]
     return [*[row.residual for row in equations.rows], *held, *events]

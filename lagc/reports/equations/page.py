@@ -34,7 +34,7 @@ from lagc.reports.equations.formulas import (
     with_long_sums,
 )
 from lagc.reports.equations.modes import Law
-from lagc.reports.names import Name, Names, names, taken
+from lagc.reports.names import Name, Names, names, words_taken
 from lagc.reports.patterns.formula_trees import Former, Line, Total, indices
 from lagc.reports.patterns.index_rules import ruled, summed
 from lagc.reports.patterns.recursion import arrays, residuals
@@ -115,19 +115,20 @@ def in_parts(equations: EquationsOfMotion, nodes: Sequence[Node]) -> Page:
 
 
 def _ruled(equations: EquationsOfMotion, found: Formulas) -> Page:
-    """With what follows a rule written once."""
+    """Return the page on which formulas that follow a rule are written once."""
     shown, parts = _shown(equations), found.named
     if parts:
         shown |= {node: Name(f"part[{k}]", f"part[{k}]") for k, node in enumerate(parts)}
         lines = _lines(found, shown)
         shown |= arrays(parts, lines[: len(parts)], lines[len(parts) :], _letter(equations))
-    free = taken(shown)
+    free = words_taken(shown)
     short = [replace(x, left=summed(x.left, free), right=summed(x.right, free)) for x in _lines(found, shown)]
     return Page(tuple(ruled(short, free)), shown, True, free)
 
 
 def _in_sums(equations: EquationsOfMotion, motion: Sequence[Node], laws: Sequence[Law]) -> Formulas:
-    """Multiplied out.  Raises TooLarge where the first tells that this is no good, or one is too long."""
+    """Return the formulas multiplied out.  Raises TooLarge if one is too long, or if the first equation is so
+    long that all of them would be."""
     _try_sum(equations, motion)
     algebra = ShortAlgebra(nonnegative(equations))
     collector = collector_of(SymbolKinds(equations), algebra)
@@ -138,7 +139,7 @@ def _in_sums(equations: EquationsOfMotion, motion: Sequence[Node], laws: Sequenc
         every.append(tidy(equations, algebra, algebra.polynomials([node])[0]))
     algebra.limit = limit
     found = everything(equations, collector, divided(equations, collector, every), laws)
-    algebra.rest()
+    algebra.end_limit()
     return with_long_sums(equations, collector, found)
 
 
@@ -146,6 +147,7 @@ def _try_sum(equations: EquationsOfMotion, motion: Sequence[Node]) -> None:
     algebra = ShortAlgebra(nonnegative(equations), ONE)
     collector = collector_of(SymbolKinds(equations), algebra)
     first = tidy(equations, algebra, algebra.polynomials(motion[:1])[0])
+    # Many terms in the first equation of many are no good, nor are terms that follow no rule.
     if len(first) > LOCAL and len(first) * len(motion) > TERMS:
         raise TooLarge
     written = Former(collector, names(equations)).total(collector.collect(collector.cancel(first)))
@@ -154,7 +156,7 @@ def _try_sum(equations: EquationsOfMotion, motion: Sequence[Node]) -> None:
 
 
 def _in_parts(equations: EquationsOfMotion, motion: Sequence[Node], laws: Sequence[Law]) -> Formulas:
-    """With names for what is shared."""
+    """Return the formulas with names for shared parts."""
     roots = [*equations.qdot, *motion, *conditions(equations, laws)]
     algebra = SharedAlgebra(equations.graph, shared(roots), nonnegative(equations))
     collector = collector_of(SymbolKinds(equations), algebra)

@@ -68,7 +68,7 @@ def progressions(values: Sequence[Values], strides: int = 1) -> list[list[int]]:
 
 
 def _runs(members: Sequence[int], values: Sequence[Values]) -> list[list[int]]:
-    """As long as may be; those that are long enough."""
+    """Return the runs of members whose numbers change evenly, each as long as possible, of LEAST members."""
     runs: list[list[int]] = []
     run: list[int] = []
     for member in members:
@@ -80,7 +80,8 @@ def _runs(members: Sequence[int], values: Sequence[Values]) -> list[list[int]]:
 
 
 def _goes_on(run: Sequence[int], values: Sequence[Values], found: Values) -> bool:
-    """But for rounding of decimals: of what changes evenly, an end is the largest."""
+    """Return whether numbers continue a run, up to round-off relative to the largest of it, which is at an
+    end."""
     n = len(run)
     for start, second, last, x in zip(values[run[0]], values[run[1]], values[run[-1]], found):
         off = abs(start + n * (second - start) - x)
@@ -90,7 +91,8 @@ def _goes_on(run: Sequence[int], values: Sequence[Values], found: Values) -> boo
 
 
 def rule(values: Sequence[Values], counter: str) -> Rule | None:
-    """Counted by the first index that changes by one, else from 1; None where a number has no short rule."""
+    """Return the rule of numbers, whose counter is the first index that changes by one, or else counts from
+    1; None where a number has no short rule."""
     changes = [b - a for a, b in zip(*values[:2])]
     if not any(changes):
         return None
@@ -116,6 +118,7 @@ def _number(a: Any, b: Any, first: int, count: int, counter: str) -> Number | No
         return constant
     if isinstance(a, int) and isinstance(b, int):
         return Linear(a - (b - a) // count * first, ((counter, (b - a) // count),))
+    # a + step (k - first) = unit (n k + m) with integers n, m, if start and step have a simple ratio.
     step = (Fraction(b) - a) / count
     start = a - step * first
     ratio = Fraction(start / abs(step)).limit_denominator(_SIMPLE)
@@ -136,7 +139,8 @@ def _simple(c: Fraction) -> Fraction:
 
 
 def summed(found: Total, taken: set[str]) -> Total:
-    """With series in the place of terms that follow a rule, within its parts too; `taken` are no counters."""
+    """Return a sum with series for terms that follow a rule, also within its parts. No counter is called as
+    one of the words in `taken`."""
     parts = [_inside(part, taken) for part in found.terms]
     while len(parts) > FEW:
         shorter = _series(parts, taken)
@@ -163,6 +167,7 @@ def _short(form: Form, taken: set[str]) -> Form:
 def _series(parts: Sequence[Part], taken: set[str]) -> list[Part]:
     found: dict[int, Part] = dict(enumerate(parts))
     for members, values in _alike(parts):
+        # A rule is made of terms that no earlier rule took.
         for run in progressions(values):
             body = parts[members[run[0]]]
             counter = _free(SUMS, taken | counted(body) | _bound(body))
@@ -234,6 +239,7 @@ def _once(lines: Sequence[Line], taken: set[str]) -> list[Line]:
         for run in progressions(values, _STRIDES)
     ]
     found: dict[int, Line] = dict(enumerate(lines))
+    # Lines of no run may be members of a rule that looks different, as where a sum has one term at an end.
     alone = dict(found)
     for members, _ in runs:
         for place in members:
@@ -245,9 +251,10 @@ def _once(lines: Sequence[Line], taken: set[str]) -> list[Line]:
         if made is None:
             continue
         inner: Line = renumbered(body, made.numbers)
+        # The places of the members by their counter; gaps in it end a line.
         at = dict(zip(range(made.first, made.last + 1), members[::-1] if made.backwards else members))
         if not body.counters:
-            at |= _others(inner, counter, alone, at)
+            at |= _members_alone(inner, counter, alone, at)
         for first, last in _spans(sorted(at)):
             places = [at[k] for k in range(first, last + 1)]
             for place in places:
@@ -257,14 +264,15 @@ def _once(lines: Sequence[Line], taken: set[str]) -> list[Line]:
     return [found[k] for k in sorted(found)]
 
 
-def _others(body: Line, counter: str, alone: dict[int, Line], known: dict[int, int]) -> dict[int, int]:
-    """Where lines stand that are as a rule says as well, their sums written out, by what it counts."""
+def _members_alone(body: Line, counter: str, alone: dict[int, Line], known: dict[int, int]) -> dict[int, int]:
+    """Return the places, by their counter, of single lines that a rule gives as well once its sums are
+    written out, next to members that are known."""
     places: dict[int, int] = {}
     for place, line in alone.items():
         at = None if line.counters else _counts(body, line)
         if at is not None and at not in known:
             here: Line = written_out(body, {counter: at})
-            if (here.indices, here.clause) == (line.indices, line.clause) and _same(here, line):
+            if (here.indices, here.clause) == (line.indices, line.clause) and _are_equal(here, line):
                 places[at] = place
     return {k: place for k, place in places.items() if k - 1 in known | places or k + 1 in known | places}
 
@@ -282,7 +290,7 @@ def _counts(body: Line, line: Line) -> int | None:
 
 
 def _spans(numbers: Sequence[int]) -> list[tuple[int, int]]:
-    """First and last of those that follow one another."""
+    """Return the first and the last number of each range in a sorted list."""
     spans: list[tuple[int, int]] = []
     for k in numbers:
         if spans and spans[-1][1] == k - 1:
@@ -297,7 +305,7 @@ def _of(line: Line) -> Hashable:
     return (line.kind, INDEX.sub("", line.label))
 
 
-def _same(a: Line, b: Line) -> bool:
+def _are_equal(a: Line, b: Line) -> bool:
     b = written_out(b, {})
     return all(
         (x is None) == (y is None) and (x is None or y is None or _terms(x) == _terms(y))

@@ -44,7 +44,7 @@ def is_constant(values: Sequence[float], least: float = 0.0) -> bool:
 
 
 def with_corners(solution: Solution) -> Solution:
-    """With the states at events among those that are recorded: curves bend there, or jump."""
+    """Return the run with the states at events among those that are recorded: curves bend there, or jump."""
     last = solution.times[-1] if solution.times else 0.0
     corners = [(t, x) for t, *states in solution.corners if t <= last for x in states]
     points = sorted([*corners, *zip(solution.times, solution.states)], key=lambda point: point[0])
@@ -87,6 +87,8 @@ def _constant(solution: Solution, run: Trajectory) -> Iterator[str]:
         here, there = rates_at(system, t, x), rates_at(system, t, near)
         if here is not None and there is not None:
             change = [max(c, abs(b - a)) for c, a, b in zip(change, here, there)]
+    # A rate that is round-off moves a state by at most its size times the time; a coordinate moves by its
+    # speed.
     moved = [time * c for c in change]
     if system.nq == system.nv:
         moved[: system.nq] = [time * m for m in moved[system.nq :][: system.nv]]

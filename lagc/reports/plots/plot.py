@@ -13,7 +13,6 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
-from math import ceil
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -29,6 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lagc.lowering.program import Interface
+    from lagc.simulation.linearization.linear_model import Linear
     from lagc.simulation.solution import Solution
 
 # Okabe, Ito
@@ -95,7 +95,8 @@ def has_display() -> bool:
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """In the style of these pictures, which matplotlib holds for all threads: one at a time."""
+    """Draw in the style of these pictures. matplotlib has one style for all threads, so one draws at a
+    time."""
     with _TURN, _matplotlib().rc_context(STYLE):
         yield
 
@@ -158,7 +159,7 @@ def panels(figure: Figure, count: int, height: float) -> tuple[list[Axes], list[
 
 
 def entitle(figure: Figure, text: str) -> None:
-    """In lines that the figure has room for."""
+    """Write a title, broken into lines that the figure has room for."""
     wide = int(LETTERS * figure.get_size_inches()[0])
     lines = [fill(line, wide) for line in printable(text).splitlines()]
     figure.suptitle("\n".join(lines), fontsize=9, x=0.01, ha="left")
@@ -224,6 +225,7 @@ def _draw_group(
             below, above = ([x + sign * error for x in shown] for sign in (-1.0, 1.0))
             axis.fill_between(run.times, below, above, color=line.get_color(), alpha=0.2, linewidth=0.0)
     _label(axis, unit, names)
+    # Round-off must not fill an axis: a constant gets an axis of the size of its values or its terms.
     if flat and ends:
         low, high = min(ends), max(ends)
         half = 0.6 * max(abs(low), abs(high), size) or 1.0
@@ -263,10 +265,6 @@ def _matplotlib() -> Any:
     return matplotlib
 
 
-if TYPE_CHECKING:
-    from lagc.simulation.solution import Solution
-
-
 def solution_html(solution: Solution) -> str:
     """The plot as SVG where matplotlib is installed, else the final values as a table."""
     try:
@@ -285,11 +283,6 @@ def table(solution: Solution) -> str:
     return f"<table><caption>{caption}</caption>{head}{body}</table>"
 
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from lagc.simulation.linearization.linear_model import Linear
-
 MOST = 12  # modes of a picture
 LEVEL = 6  # names that stand level below an axis
 NAMED = 30  # coordinates that are named: of more every second, or third, and so on
@@ -302,6 +295,7 @@ def plot_modes(linear: Linear, title: str, path: str | None = None) -> Figure:
     the eigenvalue 0 are left out. Writes the file `path` if given; raises as `plot`."""
     interface = linear.system.interface
     names, nq = interface.q_names, interface.nq
+    # A conjugate pair is one mode; its real and imaginary parts are a quarter of a period apart.
     shown = [k for k, value in enumerate(linear.eigenvalues) if value and value.imag >= 0.0][:MOST]
     with styled():
         from matplotlib.figure import Figure
@@ -330,7 +324,9 @@ def plot_modes(linear: Linear, title: str, path: str | None = None) -> Figure:
         if not shown:
             axes[0].set(xlim=(-0.6, nq - 0.4), yticks=[])
             axes[0].set_title("no eigenvalues but 0", fontsize=8, loc="left")
-        every = ceil(nq / NAMED)
+        # Names of coordinates stand below the lowest panels alone: level, slanted, or every second, third,
+        # ...
+        every = math.ceil(nq / NAMED)
         labels = [f"{name} [{unit}]" if unit else name for name, unit in zip(names, interface.q_units)]
         slanted: dict[str, Any] = {"rotation": 45, "ha": "right", "rotation_mode": "anchor"}
         for axis in lowest:
