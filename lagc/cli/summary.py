@@ -75,7 +75,7 @@ def _events(run: Solution, verbose: bool) -> list[str]:
 
 
 def value_text(value: float, unit: str, error: float | None = None) -> str:
-    """Return a value with its unit and error, also in degrees for an angle. It has nine digits, or all up to the
+    """Return a value with its unit and error, also in degrees for an angle: nine digits, or all up to the
     first one of the error."""
     value += 0.0  # avoids negative zero
     digits = 9
