@@ -81,7 +81,7 @@ def _begun(equations: EquationsOfMotion) -> list[Symbol]:
 
 
 def _declaration_of(equations: EquationsOfMotion, state: Symbol) -> Span:
-    """Where the coordinate or speed is declared that a state belongs to."""
+    """Return the place where the coordinate or speed of a state is declared."""
     things = (*equations.model.coordinates, *equations.model.speeds)
     return next(thing.span for thing in things if thing.name == state.owner)
 
