@@ -56,6 +56,24 @@ def test_roots_are_passed_in_any_way(model: str, stop: float, step: float, tmp_p
             assert abs(value - run[name][-1]) < 1e-6 * size, (HABITS[habit], name)
 
 
+@pytest.mark.full
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
+def test_an_importer_that_is_late(tmp_path: Path) -> None:
+    """An importer of fixed steps handles an event of time up to a step late: each happens once, and the
+    motion changes by its rates times this delay."""
+    stop, step = 0.95, 0.003
+    path = program(archive("sampled_pd"), "importer.c", tmp_path)
+    run = lagc.load("sampled_pd").compile().simulate(stop=stop, accuracy=1e-9)
+    done = subprocess.run([path, "3", str(stop), str(step)], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    rows = [line.split() for line in done.stdout.splitlines()]
+    times = [float(row[1]) for row in rows if row[0] == "event"]
+    assert times == pytest.approx([0.0, *(event.t for event in run.events)], abs=step)
+    states = [float(row[1]) for row in rows if row[0] == "state"]
+    for name, rate, value in zip(("x", "der(x)"), ("der(x)", "u"), states):
+        assert abs(value - run[name][-1]) < 2.0 * step * abs(run[rate]).max()
+
+
 def grouped(system: lagc.api.CompiledModel) -> list[list[str]]:
     """The states of the scaling group of each state."""
     interface = system.interface

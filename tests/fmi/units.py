@@ -51,6 +51,7 @@ def program(data: bytes, main: str, folder: Path) -> Path:
         "-Wall",
         "-Werror",
         "-O0",
+        "-DFMI3_OVERRIDE_FUNCTION_PREFIX",
         "-ffp-contract=off",
         *files,
         main,

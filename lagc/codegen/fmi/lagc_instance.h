@@ -232,27 +232,15 @@ static int solve_motion(Instance *i, double *r, double *s)
     if (!good(M(assemble)(&i->c.p, i->c.t, i->c.x, &i->w)))
         return 0;
     M(solve)(r, s, &i->w);
-#else /* Gauss elimination with the largest pivot of each column */
+#else /* Gauss elimination without pivots: a mass matrix is positive definite */
     enum { N = K(NV) };
     double A[N * N];
     int j, k, m;
     M(mass_matrix)(&i->c.p, i->c.t, i->c.x, A, &i->w);
     memcpy(s, r, N * sizeof *s);
     for (k = 0; k < N; k++) {
-        int best = k;
-        for (j = k + 1; j < N; j++)
-            if (fabs(A[j * N + k]) > fabs(A[best * N + k]))
-                best = j;
-        if (A[best * N + k] == 0.0)
+        if (!(A[k * N + k] > 0.0))
             return 0;
-        for (m = 0; m < N; m++) {
-            const double kept = A[k * N + m];
-            A[k * N + m] = A[best * N + m], A[best * N + m] = kept;
-        }
-        {
-            const double kept = s[k];
-            s[k] = s[best], s[best] = kept;
-        }
         for (j = k + 1; j < N; j++) {
             const double factor = A[j * N + k] / A[k * N + k];
             for (m = k; m < N; m++)

@@ -56,6 +56,7 @@ def model_header(made: Unit) -> str:
         f"#define M(name) {name}_##name",
         f"#define K(NAME) {upper}_##NAME",
         f"#define TOKEN {_quoted(made.token)}",
+        f"#define FMI3_FUNCTION_PREFIX {name}_ /* of sources; FMI3_OVERRIDE_FUNCTION_PREFIX: none */",
         *(f"#define {key} {int(value)}" for key, value in numbers.items()),
         *(f"static {head}[] = {{{_listed(values)}}};" for head, values in tables.items()),
         "",
