@@ -287,6 +287,8 @@ def lanes(sources: Mapping[str, str], widths: Mapping[int, str] = WIDTHS) -> dic
     others = any(not _called(_function(source, f)) <= known for f, known in CALLS.items())
     if not stages or others or re.search(r"\?|\bint\b|\bstatic const\b", _code(rates)):
         return None
+    # The functions that a step calls, each for a vector of runs; then these for each width, chosen by the
+    # processor at run time.
     called = _called(rates)
     params = re.search(rf"typedef struct (\{{[^{{}}]*\}}) {name}_params;", header)
     assert params is not None
