@@ -5,8 +5,7 @@ from __future__ import annotations
 from math import atan2, cos, hypot, inf, sqrt
 from typing import Any
 
-from lagc.study.hard.case import Found, Lab, RunFailed, how
-from lagc.study.hard.published import read
+from lagc.study.hard.case import Found, Lab, RunFailed, how, read
 
 G = 9.81
 
