@@ -289,7 +289,7 @@ def lanes(sources: Mapping[str, str], widths: Mapping[int, str] = WIDTHS) -> dic
     if not stages or others or re.search(r"\?|\bint\b|\bstatic const\b", _code(rates)):
         return None
     called = _called(rates)
-    # The functions over vectors, for any width: types, sine and cosine, functions of C lane by lane, the rest.
+    # The functions over vectors, for any width: types, sines, functions of C lane by lane, and the rest.
     params = re.search(rf"typedef struct (\{{[^{{}}]*\}}) {name}_params;", header)
     assert params is not None
     parts = [_VECTORS.replace("{PARAMS}", _wide(params[1]))]
