@@ -119,6 +119,7 @@ def _suspects(
         for k, (residual, span) in enumerate(equations.initial_conditions):
             if ("initial", str(k)) in found.anchors:
                 yield span, [residual]
+    # Derived expressions come last: a fault in the text explains those that follow from it.
     if code != "LAG0613":
         return
     spans = {thing.name: thing.span for thing in (*equations.model.bodies, *equations.model.actions)}

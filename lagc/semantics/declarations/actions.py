@@ -337,6 +337,7 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
     labels: list[str] = []
     rows: list[Node] = []
     units: list[str] = []
+    # A component that is identically zero is no equation, but keeps its number: `c[3]` may follow `c[1]`.
     for k, (node, found) in enumerate(differences):
         refuse_late(context, node, source.left.span.to(source.right.span), "a constraint")
         if not node.is_zero:
@@ -392,6 +393,7 @@ def residuals(
         message = f"the two sides have different shapes: {kind(left)} and {kind(right)}"
         raise Wrong("LAG0306", message, source.relation_span, _zeros(left, right))
     found: list[tuple[Node, Dimension | None]] = []
+    # A zero or a number of unknown dimension takes that of the other side.
     for a, b in pairs:
         if a.dimension is not None and b.dimension is not None and a.dimension != b.dimension:
             first, second = describe(a.dimension), describe(b.dimension)
