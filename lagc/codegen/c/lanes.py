@@ -288,13 +288,10 @@ def lanes(sources: Mapping[str, str], widths: Mapping[int, str] = WIDTHS) -> dic
     others = any(not _called(_function(source, f)) <= known for f, known in CALLS.items())
     if not stages or others or re.search(r"\?|\bint\b|\bstatic const\b", _code(rates)):
         return None
-    # The functions that a step calls, each for a vector of runs; then these for each width, chosen by the
-    # processor at run time.
     called = _called(rates)
     # The functions over vectors, for any width: types, sines, functions of C lane by lane, and the rest.
     params = re.search(rf"typedef struct (\{{[^{{}}]*\}}) {name}_params;", header)
     assert params is not None
-    # The functions of a run in vectors of any width, from those of the scalar code.
     parts = [_VECTORS.replace("{PARAMS}", _wide(params[1]))]
     if called & {*SINES}:
         near = library(DOUBLE.language).part("sine_cosine_near", {}).text
@@ -303,7 +300,6 @@ def lanes(sources: Mapping[str, str], widths: Mapping[int, str] = WIDTHS) -> dic
     parts += [_wide(rates), _RATES, _wide(stages), _wide(error), _ATTEMPT]
     guards = "hides_event" in _called(_function(source, "find_step"))
     text = "\n".join(parts).replace("GUARDED", "1 || " * guards)
-    # The same for each width, and a driver that takes the widest that the processor has.
     made = [f'#include "{name}.c"\n#include <string.h>\n', _RUN.replace("LARGEST", str(max(WIDTHS)))]
     # Once for each width, with a choice between them when it runs.
     for width, needed in widths.items():
