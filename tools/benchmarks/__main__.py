@@ -1,7 +1,7 @@
 """Speed and accuracy beside other tools, measured in one run.
 
     python -m tools.benchmarks [--quick] [--write] [--json FILE]
-    python -m tools.benchmarks growth | runs | stages | startup    (its compiler, many runs, its processes)
+    python -m tools.benchmarks growth | runs | stages | startup | verified    (of lagc alone)
 
 Other tools are used if they are installed: pip install -e '.[peers]'.
 """
@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from tools.benchmarks.measured import Report
 
-OTHERS = ("growth", "runs", "stages", "startup")
+OTHERS = ("growth", "runs", "stages", "startup", "verified")
 
 
 def main() -> int:

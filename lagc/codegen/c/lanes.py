@@ -279,6 +279,7 @@ void NAME_record_runs(const Params *p, const double *x, long count, const Option
 def lanes(sources: Mapping[str, str], widths: Mapping[int, str] = WIDTHS) -> dict[str, str] | None:
     """Return the `sources` of a model with a further file, for x86-64, that makes runs in lanes of these
     `widths`; None for a model that has events, constraints, or functions without vectors."""
+    # The driver and the rates are those of a smooth model if they call nothing else.
     (name,) = [file.removesuffix(".h") for file in sources if file.endswith(".h")]
     header, source = sources[f"{name}.h"], sources[f"{name}.c"]
     rates, stages, error = (
@@ -290,8 +291,10 @@ def lanes(sources: Mapping[str, str], widths: Mapping[int, str] = WIDTHS) -> dic
     # The functions that a step calls, each for a vector of runs; then these for each width, chosen by the
     # processor at run time.
     called = _called(rates)
+    # The functions over vectors, for any width: types, sine and cosine, functions of C lane by lane, the rest.
     params = re.search(rf"typedef struct (\{{[^{{}}]*\}}) {name}_params;", header)
     assert params is not None
+    # The functions of a run in vectors of any width, from those of the scalar code.
     parts = [_VECTORS.replace("{PARAMS}", _wide(params[1]))]
     if called & {*SINES}:
         near = library(DOUBLE.language).part("sine_cosine_near", {}).text
@@ -300,7 +303,9 @@ def lanes(sources: Mapping[str, str], widths: Mapping[int, str] = WIDTHS) -> dic
     parts += [_wide(rates), _RATES, _wide(stages), _wide(error), _ATTEMPT]
     guards = "hides_event" in _called(_function(source, "find_step"))
     text = "\n".join(parts).replace("GUARDED", "1 || " * guards)
+    # The same for each width, and a driver that takes the widest that the processor has.
     made = [f'#include "{name}.c"\n#include <string.h>\n', _RUN.replace("LARGEST", str(max(WIDTHS)))]
+    # Once for each width, with a choice between them when it runs.
     for width, needed in widths.items():
         own = re.sub(r"\b(Wide|Mask|wide)(?=\w*\b)", rf"\g<1>{width}", text).replace("LANES", str(width))
         target = f'static __attribute__((target("{needed}"))) '
