@@ -50,7 +50,7 @@ class Verification:
     check: State
     check_work: Work
     p: Params  # of the check
-    gap: Vec[NQUANTITY]  # largest difference of the two runs at recorded times and the end
+    gap: Vec[NQUANTITY]  # largest difference of the two runs near recorded times and the end
     near: Vec[NQUANTITY]  # in the last block
     apart: Vec[NQUANTITY]  # over the whole motion
     low: Vec[NQUANTITY]  # range of the quantity

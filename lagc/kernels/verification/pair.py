@@ -191,7 +191,7 @@ def compare_recorded(p: Params, times: Vec[Any], o: Options, states: Rows[NX], o
                         v.of_run[NQ + NV + i] = outputs[v.checked][i]
             for i in range(NDISC):
                 v.of_run[NQ + NV + NY + i] = states[v.checked][NINT + i]
-            compare_quantities(True, v)
+            compare_quantities(v)
         v.checked += 1
     return OK
 
@@ -263,7 +263,7 @@ def compare_ends(p: Params, ended: Status, r: Report, v: Verification) -> None:
             return
     state_quantities(p, v.run.t, v.run.x, v.of_run, v.run_work)
     state_quantities(v.p, v.check.t, v.check.x, v.of_check, v.check_work)
-    compare_quantities(True, v)
+    compare_quantities(v)
 
 
 def check_block(p: Params, times: Vec[Any], n: Length, ended: Status, o: Options, states: Rows[NX],
@@ -297,7 +297,7 @@ def check_block(p: Params, times: Vec[Any], n: Length, ended: Status, o: Options
             else:
                 v.of_run[:] = v.before[m]
             state_quantities(v.p, target, v.check.x, v.of_check, v.check_work)
-            compare_quantities(False, v)
+            compare_quantities(v)
     if v.checked > recorded or final:
         count_near(v)
     v.steps_done = 0

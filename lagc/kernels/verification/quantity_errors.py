@@ -13,13 +13,13 @@ from lagc.kernels.integrators.roundoff import perturb_inputs
 from lagc.kernels.language.vocabulary import *
 
 BLOCK = 5  # steps of the run between two comparisons; the check makes one more
-NEAR_PART = 0.1  # part of the largest difference near a time that counts there
 SAFETY = 1.2  # of the estimated error
 FINE_SAFETY = 2.0  # near the finest tolerance, where the difference is one sample of round-off
 FINE = by_type(2e-5, 2e-14, "2e-30")  # tolerance below which round-off is a large part of errors
 FINER_SERIES = 0.1  # tolerance of the check over that of the run, for a method whose order follows from it
 EARLY = 1e-3  # of the size of its group: least scale of a quantity that has hardly begun to move
 SMALL = 1e-2  # of the size of its group: a state below it that misses gets an error weight of its own
+HARDLY = 1e-6  # of the largest range in its group: a state that moves less may be lost in round-off
 CONSTANT = 1e-9  # of its terms: range of a quantity that does not move
 SURELY_MOVES = 1e-3
 BY_CHANCE = 20.0  # differences of the two runs: range of a quantity that only errors move
@@ -43,10 +43,9 @@ def state_quantities(p: Params, t: Real, x: Vec[NX], y: Vec[NQUANTITY], w: Work)
         y[NQ + NV + NY + i] = x[NINT + i]
 
 
-def compare_quantities(delivered: bool, v: Verification) -> None:
-    """Enlarge the ranges to the values of the run, and the gaps to the differences of the two runs: those of
-    the block and of the whole motion, and where this time is delivered, those that count. Values of outputs
-    that are not finite are left out."""
+def compare_quantities(v: Verification) -> None:
+    """Enlarge the ranges to the values of the run, and the differences of the two runs in the block and over
+    the whole motion. Values of outputs that are not finite are left out."""
     if NZ > 0:
         gap = fabs(v.run.x[NQ + NV] - v.check.x[NQ + NV])
         if v.run.t == v.check.t and gap > v.work_error:
@@ -59,8 +58,6 @@ def compare_quantities(delivered: bool, v: Verification) -> None:
             v.near[i] = gap
         if gap > v.apart[i]:
             v.apart[i] = gap
-        if delivered and gap > v.gap[i]:
-            v.gap[i] = gap
         if v.of_run[i] < v.low[i]:
             v.low[i] = v.of_run[i]
         if v.of_run[i] > v.high[i]:
@@ -68,11 +65,11 @@ def compare_quantities(delivered: bool, v: Verification) -> None:
 
 
 def count_near(v: Verification) -> None:
-    """Count a part of the differences of a block with a time that is delivered: where the error of a quantity
-    passes zero there, another one of it tells how well the estimate knows that."""
+    """Count the differences of a block with a time that is delivered: the difference may pass zero there
+    before the error does."""
     for i in range(NQUANTITY):
-        if NEAR_PART * v.near[i] > v.gap[i]:
-            v.gap[i] = NEAR_PART * v.near[i]
+        if v.near[i] > v.gap[i]:
+            v.gap[i] = v.near[i]
 
 
 def observe_offset(p: Params, offset: Real, v: Verification) -> None:
@@ -174,10 +171,11 @@ def shared_roundoff(i: Size, v: Verification) -> Real:
     return roundoff_of(i, v) if i >= NQ and v.varies[i] == 0 else 0.0
 
 
-def scale_of(i: Size, group: Real, accuracy: Real, underway: bool, scales: Vec[NQUANTITY],
+def scale_of(i: Size, group: Real, moved: Real, accuracy: Real, underway: bool, scales: Vec[NQUANTITY],
              v: Verification) -> Real:  # fmt: skip
     """Return the scale of a quantity: the one that is given, the range, or for a quantity that does not move
-    the size of its terms. `group` is the size of the scaling group of a state."""
+    the size of its terms. `group` is the size of the scaling group of a state, `moved` the largest range in
+    it."""
     largest = fabs(v.low[i]) if fabs(v.low[i]) > fabs(v.high[i]) else fabs(v.high[i])
     # A state below its noise cannot be told from zero beside the others of its group.
     noise = (PROJECTED_NOISE if NC > 0 or NCON > 0 else LEAST_COMPARED) * group
@@ -216,7 +214,8 @@ def scale_of(i: Size, group: Real, accuracy: Real, underway: bool, scales: Vec[N
         if fabs(v.start[i]) <= BY_CHANCE * v.apart[i] and largest <= roundoff and group <= roundoff:
             v.constant[i] = 0
             return 0.0
-    if group > scale and largest < SMALL * group and roundoff > accuracy * scale:
+    is_small = largest < SMALL * group or scale < HARDLY * moved
+    if group > scale and is_small and roundoff > accuracy * scale:
         v.constant[i] = 2
         return group
     # A quantity that has hardly begun to move has no range yet.
@@ -235,12 +234,19 @@ def estimate_errors(scales: Vec[NQUANTITY], accuracy: Real, method: int, underwa
     margin = SAFETY / known_part(method) * (1.0 + (1.0 + events) / (v.run.steps + 1.0))
     if v.tolerance <= FINE:
         margin *= FINE_SAFETY
+    ranges = vector(NGROUP)
+    for k in range(NGROUP):
+        ranges[k] = 0.0
+    for i in range(NQ + NV):
+        if v.high[i] - v.low[i] > ranges[scaling_group[i]]:
+            ranges[scaling_group[i]] = v.high[i] - v.low[i]
     worst = 0.0
     v.misses_by_small = False
     for i in range(NQUANTITY):
         group = v.run.sizes[scaling_group[i]] if i < NQ + NV else 0.0
+        moved = ranges[scaling_group[i]] if i < NQ + NV else 0.0
         before = v.scale[i]
-        scale = scale_of(i, group, accuracy, underway, scales, v)
+        scale = scale_of(i, group, moved, accuracy, underway, scales, v)
         v.scale[i] = scale
         if scale > 2.0 * before:
             v.set_out_time = v.run.t
