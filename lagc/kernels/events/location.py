@@ -136,20 +136,32 @@ def trial_dense_output(p: Params, s: State, method: int, a: Trial, w: Work) -> S
 
 
 def update_margins(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
-    """Compute w.events.margins, for the indicators that depend on the state."""
+    """Compute w.events.margins of suspected indicators."""
     indicators_at(p, t, x, w.modes, w.events.indicators, s, w)
     if NCON > 0:
-        indicate_forces(p, t, x, w)
-    for j in range(NFREE):
+        if w.events.seeks_forces:
+            indicate_forces(p, t, x, w)
+    for n in range(w.events.suspects):
+        j = w.events.suspect[n]
         k = NTIMED + j
         w.events.margins[j] = margin(k, w.events.indicators[k], s.slack[k], w)
 
 
-def any_crossed(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> bool:
-    """Return whether one of these indicators is beyond its crossing."""
-    update_margins(p, t, x, s, w)
+def update_all_margins(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
+    """Compute w.events.margins of all indicators that depend on the state."""
+    w.events.suspects = NFREE
     for j in range(NFREE):
-        if w.events.margins[j] < 0.0:
+        w.events.suspect[j] = j
+    if NCON > 0:
+        w.events.seeks_forces = True
+    update_margins(p, t, x, s, w)
+
+
+def any_crossed(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> bool:
+    """Return whether a suspected indicator is beyond its crossing."""
+    update_margins(p, t, x, s, w)
+    for n in range(w.events.suspects):
+        if w.events.margins[w.events.suspect[n]] < 0.0:
             return True
     return False
 
@@ -160,7 +172,8 @@ def smallest_margin(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Real:
     # Margins over their change in this part: which indicator crosses first is a question of time.
     least = inf
     update_margins(p, t, x, s, w)
-    for j in range(NFREE):
+    for n in range(w.events.suspects):
+        j = w.events.suspect[n]
         own = (
             w.events.margins[j] / w.events.margin_changes[j]
             if w.events.margin_changes[j] > 0.0
@@ -181,23 +194,53 @@ def within_mode(k: int, low: Real, high: Real, w: Work) -> bool:
     return low > 0.0 if w.modes[k] > 0.0 else high < 0.0
 
 
-def excludes_crossings(p: Params, s: State, w: Work) -> bool:
-    """Return whether no indicator crosses in w.search.box."""
+def enclose_indicators(p: Params, s: State, w: Work) -> None:
+    """Set w.events.enclosures for w.search.box."""
     # Interval arithmetic for indicators of time and state, samples for those that need a solve.
     fn_enclosure_on(p, w.modes, w.search.box, w.events.enclosures)
     if NLATE > 0:
         enclose_late(w)
     if NCON > 0:
-        enclose_forces(s, w)
+        if w.events.seeks_forces:
+            enclose_forces(s, w)
+
+
+def may_cross(j: int, s: State, w: Work) -> bool:
+    """Return whether the enclosure of an indicator contains a crossing."""
     # An unbounded or empty enclosure says nothing, so it does not exclude.
+    low = w.events.enclosures[2 * j]
+    high = w.events.enclosures[2 * j + 1]
+    slack = s.slack[NTIMED + j]
+    return not (is_known(low, high) and within_mode(NTIMED + j, low + slack, high - slack, w))
+
+
+def find_suspects(p: Params, s: State, w: Work) -> bool:
+    """List the indicators that may cross in w.search.box, the whole step, in w.events.suspect: the others stay
+    in their modes, and are not looked at again on its parts. Return whether there are any."""
+    if NCON > 0:
+        w.events.seeks_forces = True
+    enclose_indicators(p, s, w)
+    found = 0
+    if NCON > 0:
+        w.events.seeks_forces = False
     for j in range(NFREE):
-        k = NTIMED + j
-        low = w.events.enclosures[2 * j] + s.slack[k]
-        high = w.events.enclosures[2 * j + 1] - s.slack[k]
-        if not (
-            is_known(w.events.enclosures[2 * j], w.events.enclosures[2 * j + 1])
-            and within_mode(k, low, high, w)
-        ):
+        if may_cross(j, s, w):
+            w.events.suspect[found] = j
+            found += 1
+            # Forces are solved for again where that of a contact which touches, or a slip, may end.
+            if NCON > 0:
+                k = NTIMED + j
+                if k >= NMODE - NCON - NSLIP and (k < NMODE - NCON or s.x[NX - NMODE + k] != 0.0):
+                    w.events.seeks_forces = True
+    w.events.suspects = found
+    return found > 0
+
+
+def excludes_crossings(p: Params, s: State, w: Work) -> bool:
+    """Return whether no suspected indicator crosses in w.search.box."""
+    enclose_indicators(p, s, w)
+    for n in range(w.events.suspects):
+        if may_cross(w.events.suspect[n], s, w):
             return False
     return True
 
@@ -214,7 +257,8 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
     w.events.margin_changes[:] = w.events.margins
     method_dense_at(method, high, s, w.search.x_part_middle)
     update_margins(p, s.t + high * h, w.search.x_part_middle, s, w)
-    for j in range(NFREE):
+    for n in range(w.events.suspects):
+        j = w.events.suspect[n]
         w.events.margin_changes[j] = fabs(w.events.margin_changes[j] - w.events.margins[j])
     above = smallest_margin(p, s.t + high * h, w.search.x_part_middle, s, w)
     method_dense_at(method, low, s, w.search.x_part_middle)
@@ -249,10 +293,11 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
     # All that are beyond at the end found cross together there.
     method_dense_at(method, high, s, w.search.x_part_middle)
     update_margins(p, s.t + high * h, w.search.x_part_middle, s, w)
-    for i in range(NTIMED):
-        w.events.crossed[i] = 0
-    for j in range(NFREE):
-        w.events.crossed[NTIMED + j] = 1 if w.events.margins[j] < 0.0 else 0
+    for k in range(NMODE):
+        w.events.crossed[k] = 0
+    for n in range(w.events.suspects):
+        if w.events.margins[w.events.suspect[n]] < 0.0:
+            w.events.crossed[NTIMED + w.events.suspect[n]] = 1
     return high
 
 
@@ -266,7 +311,7 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
         sample_late_step(p, s, method, a, w)
     if NCON > 0:
         force_range(p, s.t, s.x, w)
-    if excludes_crossings(p, s, w):
+    if not find_suspects(p, s, w):
         return NO_EVENT
     if failed(trial_dense_output(p, s, method, a, w)):
         return -1.0
@@ -286,10 +331,11 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
             add_late_range(p, s.t + 0.5 * (left + right) * a.h, w.search.x_part_middle, s, w)
             add_late_range(p, s.t + right * a.h, w.search.x_part_end, s, w)
         if NCON > 0:
-            forget_forces(w)
-            force_range(p, s.t + left * a.h, w.search.x_part_begin, w)
-            force_range(p, s.t + 0.5 * (left + right) * a.h, w.search.x_part_middle, w)
-            force_range(p, s.t + right * a.h, w.search.x_part_end, w)
+            if w.events.seeks_forces:
+                forget_forces(w)
+                force_range(p, s.t + left * a.h, w.search.x_part_begin, w)
+                force_range(p, s.t + 0.5 * (left + right) * a.h, w.search.x_part_middle, w)
+                force_range(p, s.t + right * a.h, w.search.x_part_end, w)
         if excludes_crossings(p, s, w):
             if width < LONGEST_PART:
                 width *= 2.0

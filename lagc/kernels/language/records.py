@@ -169,6 +169,10 @@ class EventWork:
     if NFREE > 0:
         # Detection of zero crossings
         enclosures: Vec[NENDS]  # lower and upper bound of each indicator in the box
+        suspects: int  # how many of them may cross in a step, by their bounds over the whole of it
+        suspect: IVec[NFREE]  # these
+        if NCON > 0:
+            seeks_forces: bool  # among them are forces of contacts, or slips
         margins: Vec[NFREE]  # distance of each indicator from its crossing, negative beyond it
         margin_changes: Vec[NFREE]
         roundoff: Vec[NFREE]  # change of each indicator by one unit in the last place of (t, x)
