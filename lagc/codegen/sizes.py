@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from math import isfinite
 from typing import Any
 
@@ -101,6 +101,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NPUSHED": pushed, "NLOADS": loaded + pushed,
         "NLOADSLOPES": (loaded + pushed) * nv, "NLOADCOLUMNS": loaded * (nv + interface.nc),
         "NLOADMATRIX": loaded * loaded, "NCURVED": loaded + pushed if interface.curved_loads else 0,
+        "NBLOCK": len(interface.blocks), "NAPART": max(len(interface.blocks) - 1, 0),
         "NIMPULSE": sum(c.impulse >= 0 for c in interface.contacts), "NLATE": interface.late_relations,
         "NKNOWN": known,
         "NCON": len(interface.contacts), "NSLIP": sum(c.slips for c in interface.contacts),
@@ -191,6 +192,7 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "clauses_only": [int(aside) for aside in interface.relations_aside],
         "terminates": [int(c.reason is not None) for c in interface.whens],
         "reinit_clause": [k for k, c in enumerate(interface.whens) for _ in c.states],
+        **blocks_of(interface),
         "contact_first": [
             k + sum(c.slips for c in interface.contacts[:k]) for k in range(len(interface.contacts))
         ],
@@ -208,6 +210,25 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "reinit_target": [state for c in interface.whens for state in c.states],
         "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],
         "derived_bounds": [(f.minimum, f.maximum) for f in interface.limits],
+    }  # fmt: skip
+
+
+def blocks_of(interface: Interface) -> dict[str, list[int]]:
+    """Return the tables of the blocks of contacts."""
+    blocks = interface.blocks
+    contact, speed, equation = ([part[k] for part in blocks] for k in range(3))
+    owner = {i: number for number, part in enumerate(contact) for i in part}
+    tied = {i: number for number, part in enumerate(equation) for i in part}
+    moved = [j for part in speed for j in part]
+    return {
+        "block_contact": [i for part in contact for i in part], "contact_block": [owner[i] for i in sorted(owner)],
+        "contact_end": list(accumulate(map(len, contact))),
+        "contact_begin": list(accumulate(map(len, contact), initial=0))[:-1],
+        "block_speed": [*moved, *(j for j in range(interface.nv) if j not in moved)],
+        "speed_end": list(accumulate(map(len, speed))),
+        "speed_begin": list(accumulate(map(len, speed), initial=0))[:-1],
+        "row_block": [owner[i] for i, c in enumerate(interface.contacts) for _ in range(c.slips + 1)],
+        "equation_block": [tied.get(i, -1) for i in range(interface.nc)],
     }  # fmt: skip
 
 

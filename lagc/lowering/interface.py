@@ -12,7 +12,8 @@ from lagc.diagnostics.faults import Fault, Span
 from lagc.diagnostics.suggest import moments as moments_remedy
 from lagc.host import cache
 from lagc.lowering.event_relations import EventRelation
-from lagc.lowering.program import Clause, Contact, Field, Function, Interface
+from lagc.lowering.kkt.prune import Components
+from lagc.lowering.program import Block, Clause, Contact, Field, Function, Interface
 from lagc.lowering.series import counts
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.semantics.model import Discrete, Input, Lagrangian, Limit, Model, Parameter
@@ -30,7 +31,7 @@ _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
     "initial_places", "relations", "timed", "flowing", "driven", "doubtful", "derivatives",
     "part_ends", "part_columns", "written", "conservative", "series", "methods",
-    "scales", "events",
+    "scales", "events", "blocks",
 )  # fmt: skip
 _OPTIONAL = (
     "contacts", "late_relations", "loading_rows", "held_rows", "pushed_contacts", "servos", "curved_loads",
@@ -78,6 +79,7 @@ def interface(
         nz=1 if work else 0,
         whens=_clauses(equations, int(work)),
         contacts=_contacts(equations, int(work)),
+        blocks=_blocks(equations, bool(loads.get("loading_rows") or loads.get("pushed_contacts"))),
         **_of_equations(equations),
         **_of_functions(functions, slopes),
         **_of_discretes(model),
@@ -116,6 +118,27 @@ def _contacts(equations: EquationsOfMotion, nz: int) -> tuple[Contact, ...]:
                 c.contact.bounds_rate)
         for c in equations.contacts
     ])  # fmt: skip
+
+
+def _blocks(equations: EquationsOfMotion, loaded: bool) -> tuple[Block, ...]:
+    """Return the blocks of contacts: systems whose motions do not depend on each other. `loaded`: loads depend
+    on reactions; contacts are one block then, as with two-sided ones."""
+    contacts, v, rows = equations.contacts, equations.v, equations.rows
+    if not contacts:
+        return ()
+    if loaded or any(contact.normals for contact in contacts):
+        return ((tuple(range(len(contacts))), tuple(range(len(v))), tuple(range(len(rows)))),)
+    components = Components(equations)
+    components.tie([(a, b) for a, nodes in components.read for b in symbols(nodes) if b in components.leader])
+    leaders = [components.find(contact.contact.state) for contact in contacts]
+
+    def places(found: Sequence[Node], leader: Node) -> tuple[int, ...]:
+        return tuple([i for i, symbol in enumerate(found) if components.find(symbol) is leader])
+
+    return tuple([
+        (places(leaders, own), places(v, own), places([row.multiplier for row in rows], own))
+        for own in dict.fromkeys(leaders)
+    ])
 
 
 def _of_equations(equations: EquationsOfMotion) -> dict[str, Any]:

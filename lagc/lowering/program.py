@@ -160,6 +160,9 @@ class Contact:
     bounds_rate: bool = False  # its gap is one between velocities
 
 
+Block = tuple[tuple[int, ...], tuple[int, ...], tuple[int, ...]]  # contacts, speeds, constraint equations
+
+
 def _ranges(sizes: Mapping[str, int]) -> dict[str, range]:
     """Return the ranges of parts that follow each other."""
     found, first = dict[str, range](), 0
@@ -223,6 +226,7 @@ class Interface:
     booleans: tuple[int, ...] = ()  # 1: a truth value, stored as 0 or 1
     features: int = 0  # terms that may be narrow
     contacts: tuple[Contact, ...] = ()  # the last of `discretes` and of `relations`
+    blocks: tuple[Block, ...] = ()  # of contacts: systems whose motions do not depend on each other
     poles: int = 0  # divisors that may come near zero
     late_relations: int = 0  # those that accelerations or reactions decide, before those of contacts
     loading_rows: tuple[int, ...] = ()  # constraint equations whose multipliers loads depend on
