@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from itertools import accumulate, pairwise
+from itertools import accumulate, chain, pairwise
 from math import isfinite
 from typing import Any
 
@@ -101,7 +101,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NPUSHED": pushed, "NLOADS": loaded + pushed,
         "NLOADSLOPES": (loaded + pushed) * nv, "NLOADCOLUMNS": loaded * (nv + interface.nc),
         "NLOADMATRIX": loaded * loaded, "NCURVED": loaded + pushed if interface.curved_loads else 0,
-        "NBLOCK": len(interface.blocks), "NAPART": max(len(interface.blocks) - 1, 0),
+        "NBLOCK": len(interface.blocks), "NAPART": max(len(interface.blocks) - 1, 0), "NMOVED": nq + nv,
         "NIMPULSE": sum(c.impulse >= 0 for c in interface.contacts), "NLATE": interface.late_relations,
         "NKNOWN": known,
         "NCON": len(interface.contacts), "NSLIP": sum(c.slips for c in interface.contacts),
@@ -215,21 +215,28 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
 
 def blocks_of(interface: Interface) -> dict[str, list[int]]:
     """Return the tables of the blocks of contacts."""
-    blocks = interface.blocks
-    contact, speed, equation = ([part[k] for part in blocks] for k in range(3))
-    owner = {i: number for number, part in enumerate(contact) for i in part}
-    tied = {i: number for number, part in enumerate(equation) for i in part}
-    moved = [j for part in speed for j in part]
+    nq, nv, blocks = interface.nq, interface.nv, interface.blocks
+    owner = {i: number for number, block in enumerate(blocks) for i in block.contacts}
+    tied = {i: number for number, block in enumerate(blocks) for i in block.rows}
     return {
-        "block_contact": [i for part in contact for i in part], "contact_block": [owner[i] for i in sorted(owner)],
-        "contact_end": list(accumulate(map(len, contact))),
-        "contact_begin": list(accumulate(map(len, contact), initial=0))[:-1],
-        "block_speed": [*moved, *(j for j in range(interface.nv) if j not in moved)],
-        "speed_end": list(accumulate(map(len, speed))),
-        "speed_begin": list(accumulate(map(len, speed), initial=0))[:-1],
+        "contact_block": [owner[i] for i in range(len(interface.contacts))],
         "row_block": [owner[i] for i, c in enumerate(interface.contacts) for _ in range(c.slips + 1)],
         "equation_block": [tied.get(i, -1) for i in range(interface.nc)],
-    }  # fmt: skip
+        "block_timed": [int(block.timed) for block in blocks],
+        **in_blocks("contact", [block.contacts for block in blocks], len(interface.contacts)),
+        **in_blocks("speed", [block.speeds for block in blocks], nv),
+        **in_blocks(
+            "state", [(*block.coordinates, *(nq + j for j in block.speeds)) for block in blocks], nq + nv
+        ),
+    }
+
+
+def in_blocks(name: str, blocks: Sequence[Sequence[int]], count: int) -> dict[str, list[int]]:
+    """Return the members of blocks in a row, those of no block last, and where each block begins and ends."""
+    members = list(chain.from_iterable(blocks))
+    ends = list(accumulate(map(len, blocks), initial=0))
+    rest = sorted({*range(count)} - {*members})
+    return {f"block_{name}": [*members, *rest], f"{name}_begin": ends[:-1], f"{name}_end": ends[1:]}
 
 
 def marked(nq: int, speeds: Sequence[int], count: int) -> list[int]:

@@ -8,7 +8,7 @@ from math import fabs
 
 from lagc.kernels.call_boundary import evaluate_start, keep_parameters, report_culprit
 from lagc.kernels.contact.slips import keep_slip_errors, time_to_stop, turns_fast
-from lagc.kernels.contact.touching import forget_forces, put_on_constraints, rates_at
+from lagc.kernels.contact.touching import forget_forces, keep_blocks, put_on_constraints, rates_at
 from lagc.kernels.events.contact_events import pass_event
 from lagc.kernels.events.location import (
     LEAST_SLACK,
@@ -466,7 +466,11 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
         status = begin_step(p, s, o, a, w)
         if failed(status):
             return report_culprit(s, status, w)
+    if NCON > 0:
+        keep_blocks(True, w)
     status = find_step(p, s, t1, goal, o, a, w)
+    if NCON > 0:
+        keep_blocks(False, w)
     if not a.is_accepted:
         return status
     accept_step(p, s, t1, o, a, w)

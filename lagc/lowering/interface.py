@@ -123,22 +123,25 @@ def _contacts(equations: EquationsOfMotion, nz: int) -> tuple[Contact, ...]:
 def _blocks(equations: EquationsOfMotion, loaded: bool) -> tuple[Block, ...]:
     """Return the blocks of contacts: systems whose motions do not depend on each other. `loaded`: loads depend
     on reactions; contacts are one block then, as with two-sided ones."""
-    contacts, v, rows = equations.contacts, equations.v, equations.rows
-    if not contacts:
-        return ()
-    if loaded or any(contact.normals for contact in contacts):
-        return ((tuple(range(len(contacts))), tuple(range(len(v))), tuple(range(len(rows)))),)
+    contacts, q, v = equations.contacts, equations.q, equations.v
+    rows = [row.multiplier for row in equations.rows]
     components = Components(equations)
+    if loaded or any(contact.normals for contact in contacts):
+        components.tie([(v[0], symbol) for symbol in (*q, *v, *rows, *(c.contact.state for c in contacts))])
+    # A component that reads another one's states depends on them.
     components.tie([(a, b) for a, nodes in components.read for b in symbols(nodes) if b in components.leader])
     leaders = [components.find(contact.contact.state) for contact in contacts]
+    timed = {components.find(a) for a, nodes in components.read if equations.time in symbols(nodes)}
 
-    def places(found: Sequence[Node], leader: Node) -> tuple[int, ...]:
-        return tuple([i for i, symbol in enumerate(found) if components.find(symbol) is leader])
+    def places(found: Sequence[Node], own: Node) -> tuple[int, ...]:
+        return tuple([i for i, symbol in enumerate(found) if components.find(symbol) is own])
 
-    return tuple([
-        (places(leaders, own), places(v, own), places([row.multiplier for row in rows], own))
-        for own in dict.fromkeys(leaders)
-    ])
+    return tuple(
+        [
+            Block(places(leaders, own), places(q, own), places(v, own), places(rows, own), own in timed)
+            for own in dict.fromkeys(leaders)
+        ]
+    )
 
 
 def _of_equations(equations: EquationsOfMotion) -> dict[str, Any]:

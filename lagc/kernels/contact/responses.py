@@ -85,7 +85,9 @@ def set_delassus(w: Work) -> None:
             if row_block[other] == block:
                 for c in range(speed_begin[block], speed_end[block]):
                     j = block_speed[c]
-                    total += w.contacts.rows[other * NV + j] * w.contacts.responses[w.contacts.slot[r] * NR + j]
+                    total += (
+                        w.contacts.rows[other * NV + j] * w.contacts.responses[w.contacts.slot[r] * NR + j]
+                    )
             law.W[q * law.rows + r] = total
 
 

@@ -266,14 +266,77 @@ def take_forces(xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
             if law.lack[law.contact[e]] > 0.0:
                 w.contacts.forces[w.contacts.touching_rows[row]] = law.scale[row] * law.share[e]
     set_margins(w)
+
+
+def sample_forces(w: Work) -> None:
+    """Add the margins of contacts that touch to their ranges."""
     # Forces are sampled at each evaluation: the range of samples takes the place of an enclosure, as a force
     # needs a solve.
-    for n in range(law.count):
-        contact = w.contacts.touching[n]
-        add_sample(NMODE - NCON + contact, w.contacts.force_margins[contact], w)
-        if NSLIP > 0:
-            if law.mode[n] == CONTACT_STICKS:
-                add_sample(slip_relation(contact), w.contacts.cone_margins[contact], w)
+    for i in range(NCON):
+        if w.contacts.touched[i] > 0:
+            add_sample(NMODE - NCON + i, w.contacts.force_margins[i], w)
+            if NSLIP > 0:
+                if w.contacts.modes[i] == 2 and contact_slips[i] > 0:
+                    add_sample(slip_relation(i), w.contacts.cone_margins[i], w)
+
+
+def keep_block(block: int, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
+    """Keep the rates and forces of a block that is solved, for other evaluations of this step."""
+    if w.contacts.keeps and block_timed[block] == 0:
+        w.contacts.known[block] = 1
+        for c in range(state_begin[block], state_end[block]):
+            i = block_state[c]
+            w.contacts.kept_x[i] = x[i]
+            w.contacts.kept_rates[i] = xdot[i]
+        for k in range(NC):
+            if equation_block[k] == block:
+                w.contacts.kept_lam[k] = lam[k]
+        for n in range(w.contacts.law.rows):
+            row = w.contacts.touching_rows[n]
+            w.contacts.kept_forces[row] = w.contacts.forces[row]
+            w.contacts.kept_pushes[row] = w.contacts.pushes[row]
+
+
+def recall_block(block: int, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> bool:
+    """Take the rates and forces of a block that were solved for in these states, and clear w.contacts.touched
+    of its contacts; return whether they were."""
+    for c in range(state_begin[block], state_end[block]):
+        i = block_state[c]
+        if w.contacts.known[block] == 0 or not x[i] == w.contacts.kept_x[i]:
+            w.contacts.known[block] = 0
+            return False
+    for c in range(state_begin[block], state_end[block]):
+        xdot[block_state[c]] = w.contacts.kept_rates[block_state[c]]
+    for k in range(NC):
+        if equation_block[k] == block:
+            lam[k] = w.contacts.kept_lam[k]
+    for c in range(contact_begin[block], contact_end[block]):
+        i = block_contact[c]
+        if w.contacts.touched[i] > 0:
+            w.contacts.touched[i] = 0
+            for row in range(contact_first[i], contact_first[i] + contact_slips[i] + 1):
+                w.contacts.forces[row] = w.contacts.kept_forces[row]
+                w.contacts.pushes[row] = w.contacts.kept_pushes[row]
+    return True
+
+
+def recall_blocks(x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> bool:
+    """Recall blocks whose states have not changed within the step, as those at rest. Return whether contacts
+    of others touch."""
+    if w.contacts.keeps:
+        for block in range(NBLOCK):
+            recall_block(block, x, xdot, lam, w)
+    for i in range(NCON):
+        if w.contacts.touched[i] > 0:
+            return True
+    return False
+
+
+def keep_blocks(keeps: bool, w: Work) -> None:
+    """Let evaluations keep what they solve, or no longer; nothing is known yet."""
+    w.contacts.keeps = keeps
+    for block in range(NBLOCK):
+        w.contacts.known[block] = 0
 
 
 def store_power(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
@@ -394,20 +457,8 @@ def moves_freely(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w:
     return status
 
 
-def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
-    """Compute xdot and lam at (t, x) with the contacts that touch by the modes in x, and their forces."""
-    # Forces of open contacts are zero, also where this evaluation ends early.
-    for r in range(NCROW):
-        w.contacts.forces[r] = 0.0
-        w.contacts.pushes[r] = 0.0
-    # Without contacts these loads are solved by `motion_at`, which is cheaper.
-    if NLOADED > 0:
-        if not find_touching(x, w):
-            return moves_freely(p, t, x, xdot, lam, w)
-    status = rhs_at(p, t, x, xdot, lam, w)
-    if failed(status) or not find_touching(x, w):
-        return status
-    # The rows of contacts that touch, and their law in the modes of the step, block by block.
+def solve_blocks(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
+    """Add the forces of contacts in w.contacts.touched to accelerations and multipliers, block by block."""
     fn_contact_rows_on(p, t, x, w.modes, w.contacts.rows, w.contacts.speeds, w.contacts.bias)
     if NSLIP > 0:
         fn_frictions_on(p, t, x, w.modes, w.contacts.frictions)
@@ -427,6 +478,29 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
             status = solve_block(p, t, x, xdot, lam, w)
             if failed(status):
                 return status
+            keep_block(block, x, xdot, lam, w)
+    return OK
+
+
+def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
+    """Compute xdot and lam at (t, x) with the contacts that touch by the modes in x, and their forces."""
+    # Forces of open contacts are zero, also where this evaluation ends early.
+    for r in range(NCROW):
+        w.contacts.forces[r] = 0.0
+        w.contacts.pushes[r] = 0.0
+    # Without contacts these loads are solved by `motion_at`, which is cheaper.
+    if NLOADED > 0:
+        if not find_touching(x, w):
+            return moves_freely(p, t, x, xdot, lam, w)
+    status = rhs_at(p, t, x, xdot, lam, w)
+    if failed(status) or not find_touching(x, w):
+        return status
+    if recall_blocks(x, xdot, lam, w):
+        status = solve_blocks(p, t, x, xdot, lam, w)
+        if failed(status):
+            return status
+    find_touching(x, w)
+    sample_forces(w)
     store_power(p, t, x, xdot, lam, w)
     return OK
 

@@ -5,7 +5,14 @@ The slack of their indicators is the round-off by which these may be beyond zero
 
 from lagc.kernels.contact.settle import bounds_jump, settle, settle_jump
 from lagc.kernels.contact.slips import REACHES, RELEASES, SLIDES, STOPS, TURNS, reach_of
-from lagc.kernels.contact.touching import find_touching, rates_at, set_gaps, slip_along, slip_relation
+from lagc.kernels.contact.touching import (
+    find_touching,
+    keep_blocks,
+    rates_at,
+    set_gaps,
+    slip_along,
+    slip_relation,
+)
 from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundoff
 from lagc.kernels.events.mode_change import MOST_CHANGES, change_modes
 from lagc.kernels.events.modes import choose_modes, update_edges
@@ -202,6 +209,7 @@ def pass_relations(p: Params, s: State, direction: Real, w: Work) -> Status:
 
 def pass_event(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Do what happens where relations or contacts in w.events.crossed cross, at (s.t, s.x)."""
+    keep_blocks(False, w)
     w.settling.has_acted = False
     w.settling.modes_before[:] = s.modes
     if NWHEN > 0:

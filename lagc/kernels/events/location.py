@@ -32,6 +32,7 @@ from lagc.kernels.integrators.dispatch import (
     method_dense_at,
     method_dense_output,
     method_stage_deviations,
+    method_watched_at,
 )
 from lagc.kernels.language.vocabulary import *
 
@@ -98,7 +99,8 @@ def enclose_part(t: Real, h: Real, left: Real, right: Real, w: Work) -> None:
     enclose_time(t + left * h, t + right * h, w)
     # The parabola through begin, middle and end leaves the hull of these by at most an eighth of the second
     # difference.
-    for i in range(NQ + NV):
+    for n in range(w.search.watching):
+        i = w.search.watched[n]
         low = w.search.x_part_begin[i]
         high = low
         if w.search.x_part_middle[i] < low:
@@ -120,8 +122,8 @@ def enclose_part(t: Real, h: Real, left: Real, right: Real, w: Work) -> None:
 
 def enclose_dense_output(s: State, method: int, a: Trial, left: Real, right: Real, w: Work) -> None:
     """Set w.search.box for a part of a step by its dense output. w.search.x_part_begin is known."""
-    method_dense_at(method, right, s, w.search.x_part_end)
-    method_dense_at(method, 0.5 * (left + right), s, w.search.x_part_middle)
+    method_watched_at(method, right, s, w.search.x_part_end, w)
+    method_watched_at(method, 0.5 * (left + right), s, w.search.x_part_middle, w)
     enclose_part(s.t, a.h, left, right, w)
 
 
@@ -145,16 +147,6 @@ def update_margins(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
         j = w.events.suspect[n]
         k = NTIMED + j
         w.events.margins[j] = margin(k, w.events.indicators[k], s.slack[k], w)
-
-
-def update_all_margins(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
-    """Compute w.events.margins of all indicators that depend on the state."""
-    w.events.suspects = NFREE
-    for j in range(NFREE):
-        w.events.suspect[j] = j
-    if NCON > 0:
-        w.events.seeks_forces = True
-    update_margins(p, t, x, s, w)
 
 
 def any_crossed(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> bool:
@@ -194,6 +186,21 @@ def within_mode(k: int, low: Real, high: Real, w: Work) -> bool:
     return low > 0.0 if w.modes[k] > 0.0 else high < 0.0
 
 
+def suspect_all(w: Work) -> None:
+    """Suspect all indicators that depend on the state: none of them is known to stay in its mode."""
+    w.events.suspects = NFREE
+    for j in range(NFREE):
+        w.events.suspect[j] = j
+    if NCON > 0:
+        w.events.seeks_forces = True
+
+
+def update_all_margins(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
+    """Compute w.events.margins of all indicators that depend on the state."""
+    suspect_all(w)
+    update_margins(p, t, x, s, w)
+
+
 def enclose_indicators(p: Params, s: State, w: Work) -> None:
     """Set w.events.enclosures for w.search.box."""
     # Interval arithmetic for indicators of time and state, samples for those that need a solve.
@@ -214,35 +221,58 @@ def may_cross(j: int, s: State, w: Work) -> bool:
     return not (is_known(low, high) and within_mode(NTIMED + j, low + slack, high - slack, w))
 
 
-def find_suspects(p: Params, s: State, w: Work) -> bool:
-    """List the indicators that may cross in w.search.box, the whole step, in w.events.suspect: the others stay
-    in their modes, and are not looked at again on its parts. Return whether there are any."""
-    if NCON > 0:
-        w.events.seeks_forces = True
+def find_suspects(p: Params, s: State, w: Work) -> int:
+    """Put the suspected indicators that may cross in w.search.box first in w.events.suspect; return how many
+    these are."""
     enclose_indicators(p, s, w)
     found = 0
-    if NCON > 0:
-        w.events.seeks_forces = False
-    for j in range(NFREE):
+    for n in range(w.events.suspects):
+        j = w.events.suspect[n]
         if may_cross(j, s, w):
+            w.events.suspect[n] = w.events.suspect[found]
             w.events.suspect[found] = j
             found += 1
-            # Forces are solved for again where that of a contact which touches, or a slip, may end.
-            if NCON > 0:
-                k = NTIMED + j
-                if k >= NMODE - NCON - NSLIP and (k < NMODE - NCON or s.x[NX - NMODE + k] != 0.0):
-                    w.events.seeks_forces = True
-    w.events.suspects = found
-    return found > 0
+    return found
 
 
-def excludes_crossings(p: Params, s: State, w: Work) -> bool:
-    """Return whether no suspected indicator crosses in w.search.box."""
-    enclose_indicators(p, s, w)
+def watch_all(w: Work) -> None:
+    """Watch all states on the parts of a step."""
+    w.search.watching = NQ + NV
+    for i in range(NQ + NV):
+        w.search.watched[i] = i
+
+
+def is_block_suspected(block: int, w: Work) -> bool:
+    """Return whether a suspected indicator is the gap of a contact of this block."""
     for n in range(w.events.suspects):
-        if may_cross(w.events.suspect[n], s, w):
-            return False
-    return True
+        if contact_block[w.events.suspect[n] - NFREE + NCON] == block:
+            return True
+    return False
+
+
+def suspect(count: int, s: State, w: Work) -> None:
+    """Suspect the first indicators of w.events.suspect alone, and watch the states that they depend on: those
+    of blocks, if all are gaps; else all."""
+    w.events.suspects = count
+    watch_all(w)
+    if NCON > 0:
+        # Forces are solved for where that of a contact which touches, or a slip, may end.
+        w.events.seeks_forces = False
+        others = False
+        for n in range(count):
+            k = NTIMED + w.events.suspect[n]
+            if k < NMODE - NCON - NSLIP:
+                others = True
+            elif k < NMODE - NCON or s.x[NX - NMODE + k] != 0.0:
+                w.events.seeks_forces = True
+        if others or w.events.seeks_forces:
+            return
+        w.search.watching = 0
+        for block in range(NBLOCK):
+            if is_block_suspected(block, w):
+                for c in range(state_begin[block], state_end[block]):
+                    w.search.watched[w.search.watching] = block_state[c]
+                    w.search.watching += 1
 
 
 def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right: Real, w: Work) -> Real:
@@ -252,16 +282,16 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
     # Margins of several indicators are compared by what each changes over the part.
     low = left
     high = right
-    method_dense_at(method, low, s, w.search.x_part_middle)
+    method_watched_at(method, low, s, w.search.x_part_middle, w)
     update_margins(p, s.t + low * h, w.search.x_part_middle, s, w)
     w.events.margin_changes[:] = w.events.margins
-    method_dense_at(method, high, s, w.search.x_part_middle)
+    method_watched_at(method, high, s, w.search.x_part_middle, w)
     update_margins(p, s.t + high * h, w.search.x_part_middle, s, w)
     for n in range(w.events.suspects):
         j = w.events.suspect[n]
         w.events.margin_changes[j] = fabs(w.events.margin_changes[j] - w.events.margins[j])
     above = smallest_margin(p, s.t + high * h, w.search.x_part_middle, s, w)
-    method_dense_at(method, low, s, w.search.x_part_middle)
+    method_watched_at(method, low, s, w.search.x_part_middle, w)
     below = smallest_margin(p, s.t + low * h, w.search.x_part_middle, s, w)
     # The end that stays halves its value, so that the secant does not keep to one side.
     least = 2.0 * SPACING * (1.0 + fabs(s.t / h))
@@ -278,7 +308,7 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
         if part > 1.0 - shortest:
             part = 1.0 - shortest
         guess = low + part * (high - low)
-        method_dense_at(method, guess, s, w.search.x_part_middle)
+        method_watched_at(method, guess, s, w.search.x_part_middle, w)
         found = smallest_margin(p, s.t + guess * h, w.search.x_part_middle, s, w)
         # The new end replaces the one of its sign; `high` is always beyond the crossing.
         if found < 0.0:
@@ -291,7 +321,7 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
             above *= 0.5
         turn += 1
     # All that are beyond at the end found cross together there.
-    method_dense_at(method, high, s, w.search.x_part_middle)
+    method_watched_at(method, high, s, w.search.x_part_middle, w)
     update_margins(p, s.t + high * h, w.search.x_part_middle, s, w)
     for k in range(NMODE):
         w.events.crossed[k] = 0
@@ -311,17 +341,28 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
         sample_late_step(p, s, method, a, w)
     if NCON > 0:
         force_range(p, s.t, s.x, w)
-    if not find_suspects(p, s, w):
+    suspect_all(w)
+    most = find_suspects(p, s, w)
+    if most == 0:
         return NO_EVENT
     if failed(trial_dense_output(p, s, method, a, w)):
         return -1.0
     # Parts of the dense output from left to right: a part that cannot exclude a crossing is halved, one that
-    # does is followed by a longer one. So the first crossing is found, not any.
+    # does is followed by a longer one. So the first crossing is found, not any. Indicators that a part excludes
+    # are not looked at within it: up to `narrow` the first of w.events.suspect alone may cross.
     looked = 0
     left = 0.0
     width = LONGEST_PART
+    narrow = 1.0
+    suspect(most, s, w)
     w.search.x_part_begin[:] = s.x
+    w.search.x_part_middle[:] = s.x
+    w.search.x_part_end[:] = s.x
     while left < 1.0:
+        if left >= narrow:
+            suspect(most, s, w)
+            narrow = 1.0
+            method_watched_at(method, left, s, w.search.x_part_begin, w)
         right = left + width if left + width < 1.0 else 1.0
         enclose_dense_output(s, method, a, left, right, w)
         # Samples of this part only: ranges of longer parts would be wider than needed.
@@ -336,10 +377,14 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
                 force_range(p, s.t + left * a.h, w.search.x_part_begin, w)
                 force_range(p, s.t + 0.5 * (left + right) * a.h, w.search.x_part_middle, w)
                 force_range(p, s.t + right * a.h, w.search.x_part_end, w)
-        if excludes_crossings(p, s, w):
+        found = find_suspects(p, s, w)
+        if found == 0:
             if width < LONGEST_PART:
                 width *= 2.0
         elif width > SHORTEST_PART:
+            if found < w.events.suspects:
+                suspect(found, s, w)
+                narrow = right
             width *= 0.5
             continue
         # At 1/256 of the step: if an indicator is beyond at the end of the part, its crossing is located

@@ -16,6 +16,7 @@ from lagc.kernels.events.location import (
     enclose_step,
     is_known,
     trial_dense_output,
+    watch_all,
 )
 from lagc.kernels.integrators.dispatch import method_dense_at
 from lagc.kernels.language.vocabulary import *
@@ -231,6 +232,7 @@ def first_hidden_part(p: Params, s: State, method: int, a: Trial, w: Work) -> Re
     unseen = 0
     left = 0.0
     width = LONGEST_PART
+    watch_all(w)
     w.search.x_part_begin[:] = s.x
     while left < 1.0:
         # A part that may hide something is halved; one that does not makes the next one longer.

@@ -33,6 +33,10 @@ contact_end: IVec[NBLOCK]
 block_speed: IVec[NV]  # the speeds, block by block, then those that no contact moves
 speed_begin: IVec[NBLOCK]
 speed_end: IVec[NBLOCK]
+block_state: IVec[NMOVED]  # the coordinates and speeds, as indices of x, in the same way
+state_begin: IVec[NBLOCK]
+state_end: IVec[NBLOCK]
+block_timed: IVec[NBLOCK]  # 1: its motion depends on time itself
 contact_block: IVec[NCON]  # the block of each contact
 row_block: IVec[NCROW]  # that of each row of a contact
 equation_block: IVec[NC]  # that of each constraint equation; -1: no contact acts on it

@@ -187,6 +187,8 @@ class SearchWork:
     x_part_begin: Vec[NX]
     x_part_middle: Vec[NX]
     x_part_end: Vec[NX]
+    watched: IVec[NMOVED]  # coordinates and speeds that what is looked for depends on
+    watching: int  # how many
 
 
 @struct
@@ -299,6 +301,14 @@ class ContactWork:
     x: Vec[NX]
     rates: Vec[NX]
     lam: Vec[NC]
+    # Blocks whose states do not change within a step keep their rates and forces
+    keeps: bool
+    known: IVec[NBLOCK]
+    kept_x: Vec[NX]
+    kept_rates: Vec[NX]
+    kept_lam: Vec[NC]
+    kept_forces: Vec[NCROW]
+    kept_pushes: Vec[NCROW]
     if NSLIP > 0:
         # Friction
         frictions: Vec[NDIRECT]  # of slip and of sticking, of each contact

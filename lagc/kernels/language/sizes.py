@@ -73,6 +73,7 @@ class NACTS(metaclass=SizeType): ...  # limit of their actions at one event
 class NROW(metaclass=SizeType): ...  # NU + 1: an equation with its right-hand side
 class NCON(metaclass=SizeType): ...  # contacts
 class NBLOCK(metaclass=SizeType): ...  # blocks of contacts: systems whose motions do not depend on each other
+class NMOVED(metaclass=SizeType): ...  # NQ + NV: coordinates and speeds
 class NAPART(metaclass=SizeType): ...  # NBLOCK - 1: blocks beside the first
 class NIMPULSE(metaclass=SizeType): ...  # contacts whose impulses are asked for
 class NSLIP(metaclass=SizeType): ...  # their slip rows: 0, 1 or 2 each
