@@ -121,8 +121,8 @@ def _contacts(equations: EquationsOfMotion, nz: int) -> tuple[Contact, ...]:
 
 
 def _blocks(equations: EquationsOfMotion, loaded: bool) -> tuple[Block, ...]:
-    """Return the blocks of contacts: systems whose motions do not depend on each other. `loaded`: loads depend
-    on reactions; contacts are one block then, as with two-sided ones."""
+    """Return the blocks of contacts: systems whose motions do not depend on each other. All contacts are one
+    block if loads depend on reactions, `loaded`, or if one is two-sided."""
     contacts, q, v = equations.contacts, equations.q, equations.v
     rows = [row.multiplier for row in equations.rows]
     components = Components(equations)

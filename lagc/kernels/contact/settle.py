@@ -67,8 +67,8 @@ def spare_blocks(w: Work) -> None:
 
 
 def find_acting_blocks(w: Work) -> None:
-    """Set w.settling.acts: at an event, blocks without a hit go on as before, as their forces do not depend on
-    others; else all act."""
+    """Set w.settling.acts: at an event, blocks without a hit go on as before, as their forces do not depend
+    on others; else all act."""
     for block in range(NBLOCK):
         w.settling.acts[block] = 0 if w.settling.go_on else 1
     for i in range(NCON):

@@ -587,8 +587,8 @@ def seat(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
 
 
 def stop(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
-    """Remove the rates w.contacts.speeds of the listed rows by the least change of the speeds in the metric of
-    the mass matrix."""
+    """Remove the rates w.contacts.speeds of the listed rows by the least change of the speeds in the metric
+    of the mass matrix."""
     moves = False
     for r in range(w.contacts.law.rows):
         w.contacts.law.b[r] = w.contacts.speeds[w.contacts.touching_rows[r]]

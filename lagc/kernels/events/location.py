@@ -279,6 +279,10 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
     """Return the part of the step where the smallest margin changes sign, to one unit in the last place of
     the time and just beyond the crossing, with w.events.crossed. Illinois method (M. Dowell, P. Jarratt, BIT
     11 (1971) 168-174); each third iteration bisects."""
+    # Of one block all indicators may cross at once; those of other blocks are known to stay in their modes.
+    if not NAPART > 0:
+        suspect_all(w)
+        watch_all(w)
     # Margins of several indicators are compared by what each changes over the part.
     low = left
     high = right
@@ -348,8 +352,8 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
     if failed(trial_dense_output(p, s, method, a, w)):
         return -1.0
     # Parts of the dense output from left to right: a part that cannot exclude a crossing is halved, one that
-    # does is followed by a longer one. So the first crossing is found, not any. Indicators that a part excludes
-    # are not looked at within it: up to `narrow` the first of w.events.suspect alone may cross.
+    # does is followed by a longer one. So the first crossing is found, not any. Indicators that a part
+    # excludes are not looked at within it: up to `narrow` the first of w.events.suspect alone may cross.
     looked = 0
     left = 0.0
     width = LONGEST_PART
