@@ -352,21 +352,24 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
     if failed(trial_dense_output(p, s, method, a, w)):
         return -1.0
     # Parts of the dense output from left to right: a part that cannot exclude a crossing is halved, one that
-    # does is followed by a longer one. So the first crossing is found, not any. Indicators that a part
-    # excludes are not looked at within it: up to `narrow` the first of w.events.suspect alone may cross.
+    # does is followed by a longer one. So the first crossing is found, not any. Of several blocks,
+    # indicators that a part excludes are not looked at within it: up to `narrow` the first of
+    # w.events.suspect alone may cross.
     looked = 0
     left = 0.0
     width = LONGEST_PART
-    narrow = 1.0
+    if NAPART > 0:
+        narrow = 1.0
     suspect(most, s, w)
     w.search.x_part_begin[:] = s.x
     w.search.x_part_middle[:] = s.x
     w.search.x_part_end[:] = s.x
     while left < 1.0:
-        if left >= narrow:
-            suspect(most, s, w)
-            narrow = 1.0
-            method_watched_at(method, left, s, w.search.x_part_begin, w)
+        if NAPART > 0:
+            if left >= narrow:
+                suspect(most, s, w)
+                narrow = 1.0
+                method_watched_at(method, left, s, w.search.x_part_begin, w)
         right = left + width if left + width < 1.0 else 1.0
         enclose_dense_output(s, method, a, left, right, w)
         # Samples of this part only: ranges of longer parts would be wider than needed.
@@ -386,9 +389,10 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
             if width < LONGEST_PART:
                 width *= 2.0
         elif width > SHORTEST_PART:
-            if found < w.events.suspects:
-                suspect(found, s, w)
-                narrow = right
+            if NAPART > 0:
+                if found < w.events.suspects:
+                    suspect(found, s, w)
+                    narrow = right
             width *= 0.5
             continue
         # At 1/256 of the step: if an indicator is beyond at the end of the part, its crossing is located
