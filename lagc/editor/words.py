@@ -12,12 +12,12 @@ from lagc.semantics.declarations.figures import PARAMETERS as FIGURES
 from lagc.semantics.declarations.quantities import ATTRIBUTES
 from lagc.semantics.joints import KINDS
 from lagc.semantics.units import CONSTANTS, SYMBOLS, TYPES
-from lagc.semantics.values.calls import BUILTINS
+from lagc.semantics.values.calls import builtins
 from lagc.syntax.lalr_tables import tables
 
 Call = tuple[tuple[str, ...], int]  # the parameters, and how many of them are required
 
-FUNCTIONS: dict[str, Call] = {name: (b.parameters, b.required) for name, b in BUILTINS.items()}
+FUNCTIONS: dict[str, Call] = {name: (b.parameters, b.required) for name, b in builtins().items()}
 MADE: dict[str, dict[str, Call]] = {  # by the keyword of their declaration
     "body": dict(PARAMETERS),
     "joint": {name: (kind.parameters, kind.required) for name, kind in KINDS.items()},

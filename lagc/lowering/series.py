@@ -59,6 +59,7 @@ class _Series:
     def __init__(self, rhs: Function, integrated: int) -> None:
         self.rhs, self.integrated = rhs, integrated
         self.first, self.next = Block(), Block()
+        self.moving: set[int] = set()  # operations that depend on the time or the state
         self.value: list[int] = []  # of each operation, in order 0: reference in `first`
         self.coefficient: dict[int, int] = {}  # of each that moves, in order k: reference in `next`
         self.kept: dict[int, int] = {}  # values of `first` -> their places in w
@@ -68,13 +69,18 @@ class _Series:
         self.depths: dict[int, int] = {}
 
     def functions(self) -> list[Function]:
-        rhs, used = self.rhs, uses_of_rates(self.rhs)
+        rhs = self.rhs
+        for k, o in enumerate(rhs.operations):
+            if self.moves(o):
+                self.moving.add(k)
+        operations = [self.as_power(o) for o in rhs.operations]
+        used = uses_of_rates(replace(rhs, operations=tuple(operations)))
         for k, o in enumerate(rhs.operations):
             # Each operation in order 0 in one block, and its recurrence for order k in another. Operations
             # that nothing of the rates uses, and those that do not move, have none.
             self.value.append(self.first.repeat(o, [self.value[i] for i in o.operands]))
-            if used[k] and self.moves(o):
-                self.coefficient[k] = self.order_k(k, o)
+            if used[k] and k in self.moving:
+                self.coefficient[k] = self.order_k(k, operations[k])
         return [self.order_0(), self.later()]
 
     def moves(self, o: Operation) -> bool:
@@ -82,7 +88,16 @@ class _Series:
             assert isinstance(o.payload, tuple)
             array, index = o.payload
             return array == "t" or (array == "x" and index < self.integrated)
-        return any(i in self.coefficient for i in o.operands)
+        return any(i in self.moving for i in o.operands)
+
+    def as_power(self, o: Operation) -> Operation:
+        """Return a constant over a power as one operation `power` of both and the exponent: one recurrence
+        takes the place of those of the root, the product and the quotient."""
+        if o.op == "div" and o.operands[0] not in self.moving:
+            base, exponent = self.power(o.operands[1])
+            if exponent not in (1.0, 2.0) and base in self.moving:
+                return Operation("power", (o.operands[0], base), -exponent)
+        return o
 
     # -- the functions --
 
@@ -348,15 +363,36 @@ class _Series:
         self.lanes[place] = block.mul(self.number(0), found), block.add(*squares)
         return found
 
+    def power(self, k: int) -> tuple[int, float]:
+        """Return an operation and its exponent in operation k, a product of powers of it: (k, 1) if there is
+        none."""
+        o = self.rhs.operations[k]
+        if o.op == "sqrt":
+            base, exponent = self.power(o.operands[0])
+            return base, 0.5 * exponent
+        if o.op == "mul":
+            (base, one), (other, two) = [self.power(i) for i in o.operands]
+            if base == other:
+                return base, one + two
+        return k, 1.0
+
+    def of_power(self, k: int, o: Operation) -> int:
+        assert isinstance(o.payload, float)
+        return self.power_of(o.operands[1], self.first.const(o.payload), self.value[k])
+
     def of_pow(self, k: int, o: Operation) -> int:
-        """Return the coefficient of a power with a fixed exponent: y' x = exponent x' y."""
         i, exponent = o.operands
         if exponent in self.coefficient:
             raise NoSeries("pow with an exponent that varies")
+        return self.power_of(i, self.value[exponent], self.value[k])
+
+    def power_of(self, i: int, exponent: int, y_0: int) -> int:
+        """Return the coefficient of y with y' x = exponent x' y, x operation i: a multiple of a power with a
+        fixed exponent. `exponent` and `y_0` are values in order 0."""
         block, first = self.next, self.first
         inverse = self.at_0(first.div(first.one, self.value[i]))
-        one_more = self.at_0(first.add(self.value[exponent], first.one))
-        slope = self.at_0(first.mul(self.value[exponent], self.value[k]))
+        one_more = self.at_0(first.add(exponent, first.one))
+        slope = self.at_0(first.mul(exponent, y_0))
         place = len(self.lanes)
         weighted = block.mul(self.number(1), block.mul(one_more, self.new_lane()))
         rest = block.add(block.sub(weighted, self.new_lane()), block.mul(slope, self.coefficient[i]))

@@ -154,6 +154,7 @@ def _also(also: Sequence[Elsewhere]) -> list[str]:
 def to_dict(found: Effects) -> dict[str, Any]:
     """Return the study as the object that `lagc effects --json` prints."""
 
+    # JSON has no infinity: a time that was not measured is null.
     def change(one: Change) -> dict[str, Any]:
         return {
             "effect": one.effect, "with": list(one.along), "change": one.change, "bar": one.bar,

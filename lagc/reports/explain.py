@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from typing import Any
 
 from lagc.diagnostics.faults import as_json
-from lagc.lowering.program import Field, Interface, Program
-from lagc.mechanics.analysis.analysis import RowKind, Seems, analyse
+from lagc.lowering.program import Interface, Program
+from lagc.mechanics.analysis.analysis import RowKind, analyse
 from lagc.mechanics.formulation.equations import Contribution, EquationsOfMotion, StartValue, WhenEquations
 from lagc.reports.equations.write import Expressions
 from lagc.reports.names import ranged, where
@@ -30,26 +30,16 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
     parts = analysis.kinetic_parts or ()
     (*texts, potential), energy_parts = written.texts([*parts, equations.potential])
     kinetic = dict(zip(("K2", "K1", "K0"), texts)) or None
+    # Speeds of coordinates that were dropped count nowhere.
     idle, until = analysis.speeds - interface.nv, _until(equations)
 
     def said(node: Node) -> str:
         return written.short(node) or _energy(equations, node, kinetic, potential) or written.text(node)
 
+    # The energies are written above, because what is conserved refers to them; short names come last, when
+    # everything that has one is written.
     facts: Facts = {
-        "model": model.name,
-        "scene": model.scene,
-        "description": model.description,
-        "scenes": list(model.scenes),
-        "effects": {
-            "used": [_effect(e.name, e.description) for e in model.effects if e.used],
-            "left_out": [_effect(e.name, e.description) for e in model.effects if not e.used],
-        },
-        "coordinates": _coordinates(equations),
-        "speeds": [{"name": n, "unit": u} for n, u in zip(equations.v_names, equations.v_units)],
-        "parameters": [_parameter(p) for p in interface.parameters],
-        "inputs": [{"name": i.name, "unit": i.unit, "default": i.value} for i in interface.inputs],
-        **_discretes(equations, written),
-        **({"joints": [_joint(joint) for joint in model.joints]} if model.joints else {}),
+        **_declared(equations, interface, written),
         "constraints": [_constraint(equations, kind) for kind in analysis.constraints],
         "contacts": [_contact(c.contact, written) for c in equations.contacts],
         "redundant": list(analysis.redundant),
@@ -67,7 +57,7 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
             for c in analysis.conserved
             if not c.expression.is_zero
         ],
-        "seems": _seems(analysis.seems),
+        "seems": _fields(analysis.seems, "cyclic redundant degrees_of_freedom positional_freedom"),
         "not_examined": list(analysis.not_examined),
         "kinetic": kinetic,
         "potential": potential,
@@ -81,6 +71,27 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
     }
     facts["short_names"] = dict(where(written.seen))
     return facts
+
+
+def _declared(equations: EquationsOfMotion, interface: Interface, written: Expressions) -> Facts:
+    """Return the declarations of a scene."""
+    model = equations.model
+    return {
+        "model": model.name,
+        "scene": model.scene,
+        "description": model.description,
+        "scenes": list(model.scenes),
+        "effects": {
+            "used": [_fields(e, "name description") for e in model.effects if e.used],
+            "left_out": [_fields(e, "name description") for e in model.effects if not e.used],
+        },
+        "coordinates": _coordinates(equations),
+        "speeds": [{"name": n, "unit": u} for n, u in zip(equations.v_names, equations.v_units)],
+        "parameters": [_fields(p, "name unit value description") for p in interface.parameters],
+        "inputs": [{"name": i.name, "unit": i.unit, "default": i.value} for i in interface.inputs],
+        **_discretes(equations, written),
+        **({"joints": [_joint(joint) for joint in model.joints]} if model.joints else {}),
+    }
 
 
 def _until(equations: EquationsOfMotion) -> str:
@@ -102,39 +113,25 @@ def _energy(equations: EquationsOfMotion, node: Node, kinetic: Facts | None, pot
     return text + (" + V" if potential != "0" else "")
 
 
-def _parameter(p: Field) -> Facts:
-    return {"name": p.name, "unit": p.unit, "value": p.value, "description": p.description}
+def _fields(record: object, names: str) -> Facts:
+    """Return some fields of a record by their names; tuples become lists."""
+    found = {name: getattr(record, name) for name in names.split()}
+    return {name: list(value) if isinstance(value, tuple) else value for name, value in found.items()}
 
 
 def _joint(joint: Joint) -> Facts:
-    return {
-        "name": joint.name,
-        "kind": joint.kind,
-        "between": list(joint.between),
-        "coordinates": list(joint.coordinates),
-        "equations": joint.equations,
-        "torsor": KINDS[joint.kind].torsor,
-    }
+    return {**_fields(joint, "name kind between coordinates equations"), "torsor": KINDS[joint.kind].torsor}
 
 
 def _action(equations: EquationsOfMotion, c: Contribution, written: Expressions | None) -> Facts:
     """The kind of an action; `written`, also its generalized force on each speed, Q_j, whose virtual power is
     the sum of Q_j times the virtual speeds."""
-    facts = {"name": c.name, "kind": c.kind, "effect": c.effect, "conservative": c.conservative}
+    facts = _fields(c, "name kind effect conservative")
     if written is None:
         return facts
     forces = {equations.v_names[j]: written.text(x) for j, x in sorted(c.forces.items()) if not x.is_zero}
     power = " + ".join([f"({force})*virtual({name})" for name, force in forces.items()]) or "0"
     return {**facts, "generalized_forces": forces, "virtual_power": power}
-
-
-def _seems(seems: Seems) -> Facts:
-    return {
-        "cyclic": list(seems.cyclic),
-        "redundant": list(seems.redundant),
-        "degrees_of_freedom": seems.degrees_of_freedom,
-        "positional_freedom": seems.positional_freedom,
-    }
 
 
 def _relations(interface: Interface) -> list[Facts]:
@@ -155,10 +152,6 @@ def _operations(program: Program) -> Facts:
         "lifted": interface.velocity_unknowns,
         "functions": {name: function.cost for name, function in functions.items()},
     }
-
-
-def _effect(name: str, description: str) -> Facts:
-    return {"name": name, "description": description}
 
 
 def _coordinates(equations: EquationsOfMotion) -> list[Facts]:
@@ -198,8 +191,7 @@ def _constraint(equations: EquationsOfMotion, kind: RowKind) -> Facts:
         "row": kind.label,
         "kind": "holonomic" if kind.holonomic else "non-holonomic",
         "time": "rheonomic" if kind.time_dependent else "scleronomic",
-        "affine": kind.affine,
-        "integrable": kind.integrable,
+        **_fields(kind, "affine integrable"),
         "reason": kind.explanation,
         "proved": kind.proved,
         "effect": row.effect,
@@ -235,7 +227,7 @@ def text(facts: Facts, verbose: bool = False) -> str:
     """The facts for people; `verbose` adds the operation count of every function."""
     title = f"{facts['model']}, scene {facts['scene']}"
     blocks = [
-        [title + (f": {facts['description']}" if facts["description"] else "")],
+        [title + _about(facts)],
         [f"note: {note}" for note in facts["notes"]],
         [f"warning: {fault['message']}; {fault['remedy']}" for fault in facts["warnings"]],
         _effects_text(facts),
@@ -271,23 +263,27 @@ def _section(title: str, lines: Iterable[str], verbose: bool = True) -> list[str
 
 def _effects_text(facts: Facts) -> list[str]:
     effects = facts["effects"]
-    lines = [f"{_named(e)}" for e in effects["used"]]
-    lines += [f"{_named(e)} (left out)" for e in effects["left_out"]]
+    lines = [f"{e['name']}{_about(e)}" for e in effects["used"]]
+    lines += [f"{e['name']}{_about(e)} (left out)" for e in effects["left_out"]]
     return _section("effects", lines)
 
 
-def _named(fact: Facts) -> str:
-    return str(fact["name"]) + (f": {fact['description']}" if fact["description"] else "")
+def _about(fact: Facts) -> str:
+    return f": {fact['description']}" if fact["description"] else ""
+
+
+def _in_unit(fact: Facts) -> str:
+    return f" [{fact['unit']}]" if fact["unit"] else ""
 
 
 def _coordinate_line(fact: Facts) -> str:
-    line = str(fact["name"]) + (f" [{fact['unit']}]" if fact["unit"] else "")
+    line = f"{fact['name']}{_in_unit(fact)}"
     if fact["start"] is not None:
         starts = "is computed, from the guess" if fact["found"] else "starts at"
         line += f" {starts} {quantity(fact['start'], fact['unit'])}{', held' if fact['fixed'] else ''}"
     if fact["kind"] != "scalar":
         line += f", {fact['kind']}"
-    return line + (f": {fact['description']}" if fact["description"] else "")
+    return line + _about(fact)
 
 
 def _discretes(equations: EquationsOfMotion, written: Expressions) -> Facts:
@@ -325,9 +321,8 @@ def _contact_line(fact: Facts) -> str:
 
 
 def _discrete_line(fact: Facts) -> str:
-    about = f": {fact['description']}" if fact["description"] else ""
-    unit = " (true or false)" if fact["type"] == "Boolean" else f" [{fact['unit']}]" if fact["unit"] else ""
-    return f"{fact['name']}{unit} starts at {fact['start']}, changed by `when` alone{about}"
+    unit = " (true or false)" if fact["type"] == "Boolean" else _in_unit(fact)
+    return f"{fact['name']}{unit} starts at {fact['start']}, changed by `when` alone{_about(fact)}"
 
 
 def quantity(value: float, unit: str) -> str:
@@ -343,7 +338,7 @@ def _speed_lines(facts: Facts) -> list[str]:
     rates = {derived(c["name"]) for c in facts["coordinates"]}
     if all(s["name"] in rates for s in speeds):
         return []
-    return [s["name"] + (f" [{s['unit']}]" if s["unit"] else "") for s in speeds]
+    return [f"{s['name']}{_in_unit(s)}" for s in speeds]
 
 
 def _joint_line(fact: Facts) -> str:

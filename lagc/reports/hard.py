@@ -35,7 +35,7 @@ def text(found: Hard, heading: str) -> str:
 def headline(found: Hard) -> str:
     """Return how many cases keep their figures, in one sentence."""
     names = dict.fromkeys(row.case.name for row in found.rows)
-    unmet = dict.fromkeys(row.case.name for row in found.rows if not row.kept)
+    unmet = dict.fromkeys(row.case.name for row in found.rows if not row.meets_figures)
     words = f"kept: {len(names) - len(unmet)} of {len(names)} cases"
     words += f"; missed: {', '.join(unmet)}" if unmet else ""
     return words if found.complete else f"{words}; ended early"
@@ -55,7 +55,7 @@ def _value(row: Row, k: int) -> str:
     return "-" if value is None else _number(value)
 
 
-def _kept(row: Row, k: int) -> bool:
+def _is_met(row: Row, k: int) -> bool:
     if row.found is None:
         return False
     value = row.found.values[k]
@@ -65,7 +65,7 @@ def _kept(row: Row, k: int) -> bool:
 def _mark(row: Row, k: int) -> str:
     if row.found is None:
         return "failed"
-    return "" if _kept(row, k) else "missed"
+    return "" if _is_met(row, k) else "missed"
 
 
 def _method(row: Row) -> str:
@@ -102,7 +102,7 @@ def _worst(own: list[Row], backend: str) -> str:
     shares = [
         v / f.most for row in rows if row.found for v, f in zip(row.found.values, row.case.figures) if v
     ]
-    unmet = ", ".join(row.case.name for row in rows if not row.kept)
+    unmet = ", ".join(row.case.name for row in rows if not row.meets_figures)
     return _number(max(shares, default=0.0)) + (f" **missed: {unmet}**" if unmet else "")
 
 
@@ -141,13 +141,14 @@ def explanation(case: Case, path: str) -> str:
 def to_dict(found: Hard) -> dict[str, Any]:
     """Return the study as the object that `lagc hard --json` prints."""
     return {
-        "complete": found.complete, "kept": found.kept,
+        "complete": found.complete, "kept": found.meets_figures,
         "cases": [
-            {"name": row.case.name, "title": row.case.title, "backend": row.backend, "kept": row.kept,
-             "method": _method(row), "seconds": row.seconds, "model": row.case.model, "line": row.case.line,
+            {"name": row.case.name, "title": row.case.title, "backend": row.backend,
+             "kept": row.meets_figures, "method": _method(row), "seconds": row.seconds,
+             "model": row.case.model, "line": row.case.line,
              "failure": row.failure, "said": row.found.said if row.found else "", "notes": list(row.notes),
              "figures": [
-                 {"figure": figure.words, "required": figure.most, "kept": _kept(row, k),
+                 {"figure": figure.words, "required": figure.most, "kept": _is_met(row, k),
                   "measured": row.found.values[k] if row.found else None}
                  for k, figure in enumerate(row.case.figures)
              ]}

@@ -120,7 +120,7 @@ def _shortener(full: Sequence[str]) -> Callable[[str], str]:
     return lambda name: name.rpartition(".")[2] if len(ends.get(name.rpartition(".")[2], ())) == 1 else name
 
 
-def taken(shown: Mapping[Node | str, Name]) -> set[str]:
+def words_taken(shown: Mapping[Node | str, Name]) -> set[str]:
     """The words in names, which may be subscripts: counters are not called so."""
     return {word for name in shown.values() for word in re.split(r"[\W_]+", name.base)}
 
@@ -143,6 +143,7 @@ def ranged(lines: Iterable[str]) -> list[str]:
         shape = [part if k % 2 == 0 else str(part.count(",")) for k, part in enumerate(parts)]
         numbers = [int(n) for part in parts[1::2] for n in part.split(",")]
         families.setdefault(tuple(shape), []).append((place, tuple(numbers)))
+    # A range stands at the place of its first line.
     found = dict(enumerate(given))
     for members in families.values():
         texts = _texts([numbers for _, numbers in members]) if len(members) >= _FEWEST else None
@@ -156,6 +157,7 @@ def ranged(lines: Iterable[str]) -> list[str]:
 
 def _texts(rows: Sequence[tuple[int, ...]]) -> list[str] | None:
     """Return the text of each subscript of `rows`; None where they do not fill ranges."""
+    # A family is a product of ranges if it has as many members as the product, each once.
     columns = [*zip(*rows)]
     extents = {column: range(min(column), max(column) + 1) for column in columns}  # once, if always equal
     if prod(map(len, extents.values())) != len(rows) or len({*rows}) != len(rows):
@@ -166,7 +168,7 @@ def _texts(rows: Sequence[tuple[int, ...]]) -> list[str] | None:
 def _with(line: str, texts: Iterable[str]) -> str:
     following = iter(texts)
 
-    def put(found: re.Match[str]) -> str:
+    def next_text(found: re.Match[str]) -> str:
         return f"[{', '.join([next(following) for _ in found[1].split(',')])}]"
 
-    return _SUBSCRIPTS.sub(put, line)
+    return _SUBSCRIPTS.sub(next_text, line)

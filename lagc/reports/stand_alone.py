@@ -26,20 +26,18 @@ PAGE = """<!DOCTYPE html>
 <style>{style}</style></head>
 <body><header><h1>{title}</h1><p>{headline}</p></header><main>
 {advice}<div class="wide">{picture}</div>
-<details{open}><summary>{summary}</summary><pre>{text}</pre></details>
+<details{open}><summary>All measurements</summary><pre>{text}</pre></details>
 </main></body></html>
 """
 Rows = Sequence[Sequence[str]]
 
 
-def stand_alone(
-    title: str, headline: str, advice: Rows, picture: str, text: str, summary: str = "All measurements"
-) -> str:
+def stand_alone(title: str, headline: str, advice: Rows, picture: str, text: str) -> str:
     """Return one HTML page: the advice as a table, whose first row is its head, then the picture, an element
     `<svg>`, and the whole report, folded if there is advice."""
     return PAGE.format(
         title=escape(title), headline=escape(headline), style=STYLE, advice=_table(advice), picture=picture,
-        text=escape(text), summary=summary, open="" if advice else " open",
+        text=escape(text), open="" if advice else " open",
     )  # fmt: skip
 
 

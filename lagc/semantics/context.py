@@ -10,7 +10,6 @@ from lagc.diagnostics.faults import Fault, Poisoned, Refused, Span, Wrong
 from lagc.semantics.model import Frame, Table
 from lagc.semantics.names.namespace import Importer
 from lagc.semantics.names.scope import LARGEST, Entry, Environment, Uses, Value
-from lagc.symbolic.derivative import partials
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.leaves import QUANTITIES
 from lagc.symbolic.vectors import Matrix, Vector, axis_rates
@@ -55,6 +54,8 @@ class Clock:
 
     def derivative(self, node: Node) -> Node:
         """Return d(node)/dt.  Inputs, multipliers and similar symbols have none (check `mask` first)."""
+        from lagc.symbolic.derivative import partials  # loaded where something moves
+
         graph = self.graph
 
         def rate(top: Node, known: dict[Node, Node]) -> Node:

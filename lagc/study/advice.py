@@ -103,6 +103,7 @@ def advise(
 ) -> Advice:
     """The cheapest setting that meets `target` by the laws, or by the `sizes` that are known better."""
     found: list[tuple[float, Setting, float | None]] = []
+    # Methods with a law: its size for the target, and the price of a tenth of the error.
     for method, law in laws.items():
         own = sorted((p for p in points if p.setting.method == method), key=lambda p: p.setting.size)
         size = min(sizes.get((method, target), law.size_for(target)), own[-1].setting.size)
@@ -112,6 +113,7 @@ def advise(
         more = predicted(own, size * 0.1 ** (1.0 / law.power))
         digit = None if more is None else max(more / cost - 1.0, 0.0)
         found.append((cost, setting_of(method, size), digit))
+    # Methods without one count where all their settings meet the target.
     for method in dict.fromkeys(p.setting.method for p in points if p.setting.method not in laws):
         own = [p for p in points if p.setting.method == method]
         if len(own) > 3 and max(p.error for p in own) <= target:  # as where only events limit the steps

@@ -163,6 +163,8 @@ def refer(
 def _exact(exact: Probe, times: Sequence[float], sizes: Callable[[Array], Array], budget: float) -> Reference:
     """The reference in quadruple precision.  Raises Failed, and Late after twice the budget."""
     pilot = exact.run(Setting("dop853", rtol=1e-14), times)
+    # The time of an order 8 method grows as tolerance^(-1/8), that of dopri5 as tolerance^(-1/5): the
+    # finest runs that the budget allows are foreseen from one coarse run each.
     fine, coarse = next(
         (pair for pair in REFERENCES if 2.0 * pilot.seconds * (1e-14 / pair[0]) ** (1 / 8) < 0.6 * budget),
         REFERENCES[-1],
@@ -301,11 +303,15 @@ def measure(study: Study, plain: Probe, times: Sequence[float], deadline: float,
     `perf_counter`)."""
     reference = study.reference
     assert reference is not None
+    # The pilot gives the step size that fixed steps begin with. A model may end the motion early: only what
+    # the reference has is compared.
     horizon = reference.shot.hi.shape[0]
     grid = times[:horizon]
     pilot = plain.run(Setting("dop853", rtol=1e-4), grid)
     began = perf_counter()
     dearest: dict[str, float] = {}
+    # First the errors, with half of the time.  Settings go from coarse to fine, and a method ends where its
+    # next run, about four times its dearest so far, would take a fiftieth of the time.
     for setting in settings(pilot, times[-1]):
         left = deadline - perf_counter()
         if left < 0.5 * (deadline - began) or dearest.get(setting.method, 0.0) * 4.0 > 0.02 * left:
@@ -323,6 +329,8 @@ def measure(study: Study, plain: Probe, times: Sequence[float], deadline: float,
         )
         progress(0.2, f"{setting.method} {setting}")
     study.points.sort(key=lambda p: (METHODS.index(p.setting.method), -p.setting.size))
+    # Then the clock. All settings are timed in turn, so that a disturbance of the machine meets all of
+    # them, and short runs are repeated up to LEAST_TIME. The least time of a point counts.
     enough = perf_counter() + CLOCK * study.budget
     rounds = 0
     while rounds < ROUNDS or perf_counter() < enough:
@@ -343,6 +351,7 @@ def look_nearby(
     Raises Late at the deadline of `plain`; a run that goes on at `deadline` ends the corrections."""
     assert study.reference is not None
     beside = [(plain, study.reference)]
+    # Half of the time makes the references at nearby parameters, the rest corrects the settings.
     middle = 0.5 * (perf_counter() + deadline)
     for k in range(NEARBY if study.laws else 0):
         with suppress(Failed, Late):
@@ -374,6 +383,8 @@ def _settle(
         study.tried = len(beside) - 1
         if max(made) <= 1.0:
             return
+        # By the law error = factor size^power the worst error becomes CLEAR times the target; at most a
+        # decade a correction.
         part = max(CLEAR / max(made), 0.1) ** (1.0 / study.laws[setting.method].power)
         sizes[key] = study.sizes[key] = setting.size * part
 

@@ -30,6 +30,7 @@ def measure_alone(
             found.notes.append(f"`{effect}` cannot be left out: the scene needs it")
         else:
             variants[effect] = variant
+    # All variants are compiled before any is run: what they have in common is what is compared.
     comparison.compare_in(variants.values())
     found.operations, found.states = full.operations, full.states
     found.energy, works = full.works(comparison.base)
@@ -40,6 +41,7 @@ def measure_alone(
         _compare(comparison, one, variant, variant.motion(comparison.accuracy))
         found.left_out.append(one)
     _time(comparison, found.left_out, variants)
+    # Effects that the scene leaves out are compared only where they bring the same quantities.
     for effect in offered:
         variant = comparison.variant(frozenset(), frozenset([effect]))
         if variant is None:
@@ -77,6 +79,8 @@ def _amplify(comparison: Comparison, one: Change, variant: Variant) -> None:
     for parameter in full.parameters:
         if parameter in variant.parameters or not full.same_along(comparison.base, variant, parameter):
             continue
+        # The factor grows until two amplifications agree: then the change is proportional to it, and stands
+        # clear of its error bar.
         last = None
         for factor in AMPLIFIED:
             motion = full.motion(comparison.accuracy, (parameter, 1.0 + factor))

@@ -116,12 +116,17 @@ def _candidates(comparison: Comparison, usable: Sequence[Change]) -> Iterable[_S
             members = frozenset(names)
             if not all(by_name[name].members <= members for name in names):
                 continue
+            # An effect that another one takes along is counted in that one. By the triangle inequality the
+            # change of a set is at most the sum of absolute differences, `bound`; with their signs they may
+            # cancel, `signed`.
             needed = {other for name in names for other in by_name[name].along}
             parts = [by_name[name] for name in names if name not in needed]
             curves = [part.curve for part in parts if part.curve is not None]
             bound = largest(sum((np.abs(c) for c in curves[1:]), np.abs(curves[0]))) if curves else 0.0
             signed = largest(sum(curves[1:], curves[0])) if curves else 0.0
             operations = max(found.operations + sum(p.operations - found.operations for p in parts), 1)
+            # t = rhs (s + (1 - s) operations): counts of right-hand sides multiply, where they differ by
+            # more than chance, and s is the part of the time that the steps take.
             low, high = CLEAR_COST
             ratios = [part.rhs / max(found.rhs, 1) for part in parts]
             rhs = prod(r for r in ratios if not low <= r <= high)
@@ -153,6 +158,8 @@ def _cheapest(comparison: Comparison, known: Sequence[_Set], accuracy: float) ->
         variant = comparison.variant(one.members)
         if variant is None:
             continue
+        # The set is compared in two runs: an exact one, whose change is reported, and one with half of the
+        # accuracy, which the user will make; its change includes the error of the run.
         exact = comparison.curves(variant.motion(comparison.accuracy))
         run = variant.motion(half)
         curves = comparison.curves(run)

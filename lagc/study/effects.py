@@ -198,6 +198,8 @@ class Comparison:
         if cut:
             self.count = min(len(motion.times) for motion in (self.base, *cut))
             self.found.horizon = float(self.base.times[self.count - 1])
+        # A quantity is compared if every variant has it. Its scale is its range; where it stands still
+        # within ten error bars its size; where it is zero the largest quantity of its unit.
         own = [name for name in self.full.names if not self.of or name in self.of]
         kept = [name for name in own if all(name in variant.names for variant in variants)]
         found, base = self.found, self.base
@@ -243,8 +245,12 @@ class Comparison:
         )  # fmt: skip
         if [name for _, name in own] != [name for _, name in others]:
             return "other events happen, or in another order"
+        # Differences over the scales. `factor` is the amplification of the effect, to which they are
+        # proportional.
         rows = [(motion.values[n][:count] - base.values[n][:count]) / self.scale(n) for n in self.names]
         found = np.array(rows).reshape(len(self.names), count) / factor
+        # Between the two times of an event one run has jumped and the other has not: there the difference
+        # says nothing but the shift in time, which gets a row of its own.
         shift = np.zeros(count)
         for (t, _), (other, _) in zip(own, others):
             inside = (times >= min(t, other)) & (times <= max(t, other))

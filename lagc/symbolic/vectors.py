@@ -39,9 +39,11 @@ def cross(a: tuple[T, T, T], b: tuple[T, T, T]) -> tuple[T, T, T]:
 
 def norm(a: Sequence[Node]) -> Node:
     """Return the length; angles by which the vector is rotated as a whole drop out."""
-    from lagc.symbolic.simplify import without_turns  # loaded where there is a length
+    square = dot(a, a)
+    if not square.is_const:
+        from lagc.symbolic.simplify import without_turns  # loaded where a length can have angles
 
-    square = without_turns(dot(a, a))
+        square = without_turns(square)
     return square.graph.sqrt(square)
 
 

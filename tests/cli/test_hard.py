@@ -60,7 +60,7 @@ def test_a_run_that_fails_is_a_missed_case(monkeypatch: pytest.MonkeyPatch, caps
 
     (one,) = [each for each in CASES if each.name == "contradiction"]
     row = case.measured(case.Case(**{**vars(one), "measure": failing}), case.Lab(lagc.load, "numpy"))
-    assert not row.kept and row.failure == "the step size underflowed"
+    assert not row.meets_figures and row.failure == "the step size underflowed"
 
 
 def test_values_are_plain_numbers() -> None:

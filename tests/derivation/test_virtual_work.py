@@ -30,7 +30,7 @@ def test_generalized_forces_are_differences_of_virtual_work(name: str) -> None:
     free = {term.name for term in rates.free_terms}
     (state,) = samples(equations.model, 1)
     graph = equations.graph
-    for action, term in zip(equations.model.actions, rates.given):
+    for action, term in zip(equations.model.actions, rates.given_terms):
         if action.name in free or isinstance(action, Lagrangian) or equations.model.speeds:
             continue
         if any(node.op in TABLES for node in reachable(parts_of(action))):

@@ -59,7 +59,7 @@ def test_case(name: str, backend: str) -> None:
     row = measured(OWN[name], Short(backend))
     found = [k for k in missed(row) if row.case.figures[k].words != "an evaluation in C [us]"]
     assert found == MISSED.get(name, [])
-    assert row.kept == (missed(row) == [])
+    assert row.meets_figures == (missed(row) == [])
 
 
 @pytest.mark.parametrize("name", ["contradiction", "massless", "speed", "relay", "drive", "tip_angles"])
@@ -177,5 +177,5 @@ def test_a_case_misses_its_figure_without_its_mechanism(
 
     monkeypatch.setattr(python, "executed", changed)
     row = measured(OWN[name], Short())
-    assert not row.kept
+    assert not row.meets_figures
     assert row.found is None or missed(row)

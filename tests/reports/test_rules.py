@@ -15,7 +15,7 @@ from lagc.reports.equations.page import page
 from lagc.reports.equations.plain_text import TextWriter
 from lagc.reports.equations.write import write
 from lagc.reports.patterns.formula_trees import Linear, Series, Symbol, Term, Total, all_of, terms_of, value
-from lagc.reports.patterns.index_rules import FEW, _key, _same, rule, summed
+from lagc.reports.patterns.index_rules import FEW, _are_equal, _key, rule, summed
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.walk import evaluate
 from tests.reports.models import rows
@@ -161,7 +161,7 @@ def test_a_rule_stands_for_the_terms_of_all_equations(name: str) -> None:
     by_label = {(line.kind, line.indices, line.label[:6]): line for line in plain}
     assert len(ruled) == len(plain)
     for line in ruled:
-        assert _same(line, by_label[line.kind, line.indices, line.label[:6]])
+        assert _are_equal(line, by_label[line.kind, line.indices, line.label[:6]])
 
 
 @pytest.mark.full

@@ -5,15 +5,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from copy import copy
-from math import sqrt
+from math import cos, exp, pi, sin, sqrt
 from typing import Any
 
 from lagc.lowering.program import Interface
-from lagc.simulation.system import INTERRUPTED, NOT_FINITE, OK, Options, Trajectory, Vector
+from lagc.simulation.system import NOT_FINITE, OK, SINGULAR_MASS, Checked, Options, Trajectory, Vector
 from tests.interfaces import field, interface
-
-ORDER = 4  # of the stand-in integrator
-
+from tests.simulation.handmade import integrate, verify
 
 # What one coordinate x, or two coordinates x and y, are called.
 LINE: dict[str, Any] = {"q_names": ("x",), "v_names": ("der(x)",), "q_units": ("m",), "v_units": ("m/s",)}
@@ -24,8 +22,7 @@ PLANE: dict[str, Any] = {
 
 
 class Handmade(ABC):
-    """What the systems below share: sizes, and a fixed-step Runge-Kutta method of order 4 whose step
-    follows the tolerance (error = tolerance, up to a constant)."""
+    """What the systems below share: sizes, and the integrators of lagc."""
 
     backend = "hand"
     culprit = -1
@@ -106,37 +103,20 @@ class Handmade(ABC):
         progress: Callable[[float], None] | None = None,
     ) -> Trajectory:
         self.runs.append(options)
-        x, t = list(x0), t0
-        result = Trajectory([], [], t, x)
-        largest = options.step or 0.2 * options.rtol ** (1 / ORDER)
-        lam = [0.0] * self.nc
-        for end in times:
-            n = max(1, int((end - t) / largest + 0.999999)) if end > t else 0
-            for _ in range(n):
-                h = (end - t) / n
-                rates: list[list[float]] = []
-                for a in (0.0, 0.5, 0.5, 1.0):
-                    xdot = [0.0] * self.nx
-                    at = [b + a * h * c for b, c in zip(x, rates[-1])] if rates else x
-                    self.rhs(t + a * h, at, xdot, lam)
-                    rates.append(xdot)
-                new = [b + h / 6 * (p + 2 * q + 2 * r + s) for b, p, q, r, s in zip(x, *rates)]
-                if any(v - v != 0.0 for v in new):
-                    result.status, result.culprit = NOT_FINITE, 0
-                    result.t, result.x = t, x
-                    return result
-                x, result.steps, result.rhs = new, result.steps + 1, result.rhs + 4
-            t = end
-            result.t, result.x = t, x
-            result.times.append(t)
-            result.states.append(x)
-            if progress is not None:
-                try:
-                    progress(t)
-                except KeyboardInterrupt:
-                    result.status = INTERRUPTED
-                    return result
-        return result
+        return integrate(self, options, t0, x0, times, progress)
+
+    def verify(
+        self,
+        options: Options,
+        x0: Vector,
+        times: Sequence[float],
+        accuracy: float,
+        scales: Vector,
+        progress: Callable[[float], None] | None = None,
+    ) -> Checked:
+        found = verify(self, options, x0, times, accuracy, scales, progress)
+        self.runs.append(options)
+        return found
 
 
 class Oscillator(Handmade):
@@ -246,6 +226,84 @@ class Spun(Handmade):
         xdot[:4] = [0.5 * r for r in (-i * a - j * b - k * c, w * a + j * c - k * b,
                                       w * b + k * a - i * c, w * c + i * b - j * a)]  # fmt: skip
         xdot[4:] = [0.0, 0.0, 0.0]
+        return OK
+
+
+class Kepler(Handmade):
+    """A planet about a fixed sun with GM = 1 and semi-major axis 1, from the pericentre."""
+
+    def __init__(self, eccentricity: float = 0.9) -> None:
+        super().__init__(interface(**PLANE, parameters=(field("e", eccentricity),)))
+
+    def start(self) -> list[float]:
+        e = self.parameters[0]
+        return [1.0 - e, 0.0, 0.0, sqrt((1.0 + e) / (1.0 - e))]
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        a, b, u, v = x
+        cube = (a * a + b * b) * sqrt(a * a + b * b)
+        xdot[:] = [u, v, -a / cube, -b / cube]
+        return OK
+
+    def exact(self, t: float) -> tuple[float, float]:
+        """By Kepler's equation, M = E - e sin E, with Newton's iteration."""
+        e, mean = self.parameters[0], t % (2.0 * pi)
+        anomaly = mean if e < 0.8 else pi
+        for _ in range(60):
+            anomaly -= (anomaly - e * sin(anomaly) - mean) / (1.0 - e * cos(anomaly))
+        return cos(anomaly) - e, sqrt(1.0 - e * e) * sin(anomaly)
+
+
+class DoublePendulum(Handmade):
+    """Two unit masses on unit rods, thrown high: chaotic."""
+
+    def __init__(self) -> None:
+        super().__init__(interface(nq=2, nv=2, q_units=("rad",) * 2, v_units=("rad/s",) * 2))
+
+    def start(self) -> list[float]:
+        return [2.5, 2.5, 0.0, 0.0]
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        a, b, u, v = x
+        g, c, s = 9.81, cos(a - b), sin(a - b)
+        f1 = -s * v * v - 2.0 * g * sin(a)
+        f2 = s * u * u - g * sin(b)
+        d = 2.0 - c * c
+        xdot[:] = [u, v, (f1 - c * f2) / d, (2.0 * f2 - c * f1) / d]
+        return OK
+
+
+class Runaway(Handmade):
+    """x' = v, v' = exp(x): reaches infinity in finite time."""
+
+    def __init__(self) -> None:
+        super().__init__(interface(**LINE))
+
+    def start(self) -> list[float]:
+        return [0.0, 1.0]
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        if x[0] > 700.0:
+            self.culprit = 1
+            return NOT_FINITE
+        xdot[:] = [x[1], exp(x[0])]
+        return OK
+
+
+class Massless(Handmade):
+    """The mass vanishes when x passes 1."""
+
+    def __init__(self) -> None:
+        super().__init__(interface(**LINE))
+
+    def start(self) -> list[float]:
+        return [0.0, 1.0]
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        if x[0] >= 1.0:
+            self.culprit = 0
+            return SINGULAR_MASS
+        xdot[:] = [x[1], 0.0]
         return OK
 
 

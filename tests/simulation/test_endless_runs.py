@@ -15,7 +15,7 @@ from lagc.simulation.simulate import simulate
 from lagc.simulation.solution import Solution
 from lagc.simulation.supervision import LONG, is_stuck
 from lagc.simulation.system import Options, Trajectory
-from tests.simulation.integrated import Oscillator
+from tests.simulation.systems import Oscillator
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 

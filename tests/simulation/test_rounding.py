@@ -16,8 +16,8 @@ from lagc.api import Run
 from lagc.simulation.request import Request
 from lagc.simulation.simulate import simulate
 from lagc.simulation.system import Vector
-from tests.simulation.integrated import Oscillator
 from tests.simulation.measured import worst_error
+from tests.simulation.systems import Oscillator
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 Exact = Callable[[float], list[float]]  # q, then v

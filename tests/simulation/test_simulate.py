@@ -10,7 +10,7 @@ import pytest
 from lagc.diagnostics.faults import Refused
 from lagc.simulation.request import Request
 from lagc.simulation.simulate import simulate
-from tests.simulation.integrated import DoublePendulum, Kepler, Massless, Oscillator, Pendulum, Runaway
+from tests.simulation.systems import DoublePendulum, Kepler, Massless, Oscillator, Rod, Runaway
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 
@@ -82,7 +82,7 @@ def test_a_vanishing_mass_is_named() -> None:
 
 
 def test_the_start_is_made_consistent_and_what_changed_is_told() -> None:
-    run = simulate(Pendulum(), Request(stop=2.0))
+    run = simulate(Rod(), Request(stop=2.0))
     assert any(note.startswith("found for the start: `x` = ") for note in run.notes)
     assert abs(run.states[0][0] ** 2 + run.states[0][1] ** 2 - 1.0) < 1e-13
     assert run.position_drift < 1e-14 and run.velocity_drift < 1e-13
@@ -90,7 +90,7 @@ def test_the_start_is_made_consistent_and_what_changed_is_told() -> None:
 
 def test_a_start_that_is_held_against_the_constraints_is_refused() -> None:
     with pytest.raises(Refused) as refused:
-        simulate(Pendulum(start_levels=(4,) * 4), Request(stop=1.0))
+        simulate(Rod(start_levels=(4,) * 4), Request(stop=1.0))
     (fault,) = refused.value.faults
     assert fault.code == "LAG0610" and "`string`" in fault.message
     assert fault.remedy is not None and "`x`" in fault.remedy

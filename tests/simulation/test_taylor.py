@@ -85,7 +85,8 @@ def simulated(text: str, stop: float, backend: str = "numpy", points: int = 11, 
 FORCES = (
     "-sin(x) - 0.2*cos(s*x)", "-tan(x)", "-asin(x/2)", "acos(x/3) - 2", "-atan(3*x)", "-sinh(x)",
     "-x*cosh(x)", "-tanh(2*x)", "-exp(x) + exp(-x)", "-log(1 + (x + 1)^2)*x", "-x/sqrt(0.1 + x^2)",
-    "-x*(1 + x^2)^0.7", "-atan2(x, 2)", "-abs(x + 2)*x", "1/(2 + x) - x", "-x^3 + 0.1*sin(3*s)", "-x^2.0*x",
+    "-x*(1 + x^2)^0.7", "-atan2(x, 2)", "-abs(x + 2)*x", "1/(2 + x) - x", "3/sqrt(2 + x)^3 - x",
+    "s/sqrt(2 + x) - x", "2/((2 + x)*sqrt(2 + x)*sqrt(sqrt(2 + x))) - x", "-x^3 + 0.1*sin(3*s)", "-x^2.0*x",
 )  # fmt: skip
 
 
@@ -126,6 +127,14 @@ def test_an_orbit_over_a_thousand_periods() -> None:
 
 
 @pytest.mark.full
+def test_a_fall_ends_at_the_singularity() -> None:
+    """From rest at a distance of 1 the centre is reached at pi/sqrt(8); no step passes over it."""
+    fall = KEPLER.replace("0.4 [m]", "1 [m]").replace("der(y) = 2", "der(y) = 0")
+    run = simulated(fall, 3.0, rtol=1e-9)
+    assert run.status == "failed"
+    assert f"at t = {pi / sqrt(8.0):.6g} s" in run.message and "singularity" in run.message
+
+
 def test_a_pendulum_over_ten_thousand_periods() -> None:
     """The period is 4 K(sin(1/2)) / sqrt(g/l) (elliptic integral by the arithmetic-geometric mean)."""
     a, b = 1.0, cos(0.5)

@@ -14,8 +14,7 @@ from lagc.simulation.simulate import simulate
 from lagc.simulation.system import OK, STEP_UNDERFLOW, Options, Trajectory, Vector
 from lagc.simulation.verdict import UNKNOWN, verdict
 from tests.interfaces import interface
-from tests.simulation.integrated import DoublePendulum, Integrated, Oscillator
-from tests.simulation.systems import LINE
+from tests.simulation.systems import LINE, DoublePendulum, Handmade, Oscillator
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 
@@ -69,7 +68,7 @@ def test_exponential_growth_is_found() -> None:
     assert run.status == "failed" and reasons(run.message) == {"chaotic"}, run.message
 
 
-class Stiff(Integrated):
+class Stiff(Handmade):
     """x follows cos t within a thousandth of a millionth of a second."""
 
     def __init__(self) -> None:
@@ -99,7 +98,7 @@ def test_no_reason_is_told_of_a_plain_motion(t: float) -> None:
     assert status == "failed" and reasons(message) == set() and message.endswith(UNKNOWN)
 
 
-class Leaking(Integrated):
+class Leaking(Handmade):
     """An oscillator that loses energy of which its balance knows nothing: as where something is not seen."""
 
     def __init__(self, damping: float, known: float = 0.0) -> None:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 from itertools import takewhile
 from textwrap import fill
-from typing import Any
+from typing import Any, TypeAlias
 
 from lagc.codegen.c import header
 from lagc.codegen.c.any_model import START_WORK, TABLE, functions_without_work, member_table
@@ -40,6 +41,7 @@ static void lagc_fn_copy_state(const lagc_state *s, lagc_state *kept)
 }
 """
 OF_VERIFIED = ("Goal", "Report", "Verification")
+Member: TypeAlias = "tuple[str, Sequence[str], Sequence[str], str]"  # name, type, comments before and beside
 PUBLIC_RECORDS = ("TangentWork", "Work", "Options", "State", "StartWork", *OF_VERIFIED)
 _OBSERVE = """\
 static void lagc_fn_observe(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *y, lagc_work *w)
@@ -206,13 +208,24 @@ class Runtime:
             found[part.name] = f"{head}typedef struct {{\n{body}\n}} lagc_{snake(part.name)};\n"
         return found
 
-    def _kept(self, part: Part) -> list[tuple[str, Sequence[str], Sequence[str], str]]:
-        """Return the members of a record; of the workspace of code that evaluates only those that it uses."""
-        if not self.only or part.name != "Work":
-            return [*part.members]
+    @cached_property
+    def _used(self) -> frozenset[str]:
+        """The names of the members of records that functions use."""
         bodies = [function.text for function in self.use.functions] + [f.body for f in self.functions]
-        used = {"culprit", *re.findall(r"\bw->(\w+)", "".join(bodies))}
-        return [member for member in part.members if member[0] in used]
+        return frozenset(re.findall(r"(?:->|\.)([A-Za-z]\w*)", "".join(bodies)))
+
+    def _kept(self, part: Part) -> list[Member]:
+        """Return the members of a record: the public ones, those that functions use, and at least one. A
+        comment before members that are left out stands before the next one."""
+        is_public = part.name in PUBLIC_RECORDS and not (self.only and part.name == "Work")
+        found, title = list[Member](), list[str]()
+        for name, kind, lead, trail in part.members:
+            is_public = is_public and not any(PRIVATE in line for line in lead)
+            title = [*title, *lead] if any(PRIVATE in line for line in title) else [*lead] or title
+            if is_public or name in self._used or name == "culprit":
+                found.append((name, kind, title, trail))
+                title = []
+        return found or [*part.members[:1]]
 
     def _enumeration(self, kind: str) -> str:
         interface = self.program.interface

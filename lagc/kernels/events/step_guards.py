@@ -18,7 +18,7 @@ from lagc.kernels.events.location import (
     trial_dense_output,
     watch_all,
 )
-from lagc.kernels.integrators.dispatch import method_dense_at
+from lagc.kernels.integrators.dispatch import has_series, method_dense_at
 from lagc.kernels.language.vocabulary import *
 
 VISIBLE_CHANGE = 0.1  # of a feature, in its own scale
@@ -272,6 +272,11 @@ def first_part_near_zero(p: Params, s: State, method: int, a: Trial, w: Work) ->
 def find_hidden_event(p: Params, s: State, method: int, a: Trial, rtol: Real, w: Work) -> Real:
     """Return the part of the step from s.x to s.x_new after which something begins that its ends do not
     show, NO_EVENT, or a negative number if the dense output failed."""
+    # The step of a power series is a part of the distance to the nearest singularity of the motion
+    # (`taylor.planned_size`): no divisor comes near zero within it.
+    if NSERIES > 0:
+        if NFEAT == 0 and has_series(method):
+            return NO_EVENT
     # Features at the ends come first, which need no enclosure. The dense output is made once, where needed.
     far = False
     if NFEAT > 0:

@@ -201,17 +201,20 @@ def begin_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
 def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
     """Evaluate the polynomial from x and its slope at the end of the step, s.x_new and
     w.series.end_slopes."""
-    # Horner's rule for the value and, beside it, for the derivative.
+    # Horner's rule for the value and, beside it, for the derivative, of all states side by side.
     part = h / s.series.scale
+    own = vector(NX)
+    change = vector(NX)
+    own[:] = s.series.coefficients[s.series.order]
+    change[:] = own
+    for k in range(s.series.order - 1, 0, -1):
+        for i in range(NINT):
+            own[i] = s.series.coefficients[k][i] + part * own[i]
+            change[i] = own[i] + part * change[i]
     s.x_new[:] = x
     for i in range(NINT):
-        own = 0.0
-        change = 0.0
-        for k in range(s.series.order, 0, -1):
-            change = own + part * change
-            own = s.series.coefficients[k][i] + part * own
-        s.x_new[i] = x[i] + part * own
-        w.series.end_slopes[i] = (own + part * change) / s.series.scale
+        s.x_new[i] = x[i] + part * own[i]
+        w.series.end_slopes[i] = change[i] / s.series.scale
     return OK
 
 

@@ -87,7 +87,7 @@ def _rhs(places: Places, solver: Solver, nodes: Sequence[Node], power: Sequence[
     _store_all(block, "lam", lam, row_comments(equations.rows))
     _store_all(block, "health", [health, block.zero])
     made = [] if left is None else [_watch(places, block, left)]
-    outputs = (("xdot", len(xdot)), ("lam", len(lam)), ("health", _stored_length(block, "health")))
+    outputs = (("xdot", len(xdot)), ("lam", len(lam)), ("health", _health_length(block)))
     about = "right-hand side: qdot, accelerations, multipliers"
     return [block.function("rhs", places.state, outputs, about), *made]
 
@@ -97,12 +97,12 @@ def _watch(places: Places, block: Block, left: int) -> Function:
     stored behind its outputs."""
     other, found = block.split_off(left, "health", 2, len(places.constants))
     other.store("health", 1, found)
-    outputs = (("health", _stored_length(block, "health")),)
+    outputs = (("health", _health_length(block)),)
     return other.function("watch", ("p", "health"), outputs, "what a solution leaves of its right-hand side")
 
 
-def _stored_length(block: Block, array: str) -> int:
-    return sum(1 for store in block.stores if store.array == array)
+def _health_length(block: Block) -> int:
+    return sum(1 for store in block.stores if store.array == "health")
 
 
 def _with_inertia(

@@ -21,7 +21,7 @@ from lagc.mechanics.formulation.equations import Law, Moving, OutputEquation, tr
 from lagc.mechanics.formulation.euler_lagrange import FreeTerms, free_terms, with_rates
 from lagc.mechanics.formulation.inertia import inertial_loads, moving_parts
 from lagc.mechanics.formulation.states import States, build_states, rate_symbols
-from lagc.semantics.model import Body, Coordinate, Model, Output, Release
+from lagc.semantics.model import Body, Coordinate, Model, Release
 from lagc.symbolic.derivative import gradient, seeds, tangent
 from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import QUANTITIES, Symbol
@@ -42,7 +42,8 @@ def output_equations(
     """Return the outputs in t, q, v, a, lam and parameters."""
     outputs = states.model.outputs
     nodes = of_motion([o.expression for o in outputs], states, parts, acting, free, totals, dropped)
-    return tuple([_equation(o, node) for o, node in zip(outputs, nodes)])
+    pairs = zip(outputs, nodes)
+    return tuple([OutputEquation(o.name, node, o.unit, o.display_unit) for o, node in pairs])
 
 
 def of_motion(
@@ -81,10 +82,6 @@ def of_motion(
     filled.update(_accelerations(states, asked))
     filled.update(() if states.plain else states.rates.items())
     return substitute(graph, expressions, filled)
-
-
-def _equation(output: Output, node: Node) -> OutputEquation:
-    return OutputEquation(output.name, node, output.unit, output.display_unit)
 
 
 def _accelerations(states: States, asked: Sequence[Node]) -> dict[Node, Node]:

@@ -75,6 +75,7 @@ class Collector:
     def collect(self, p: Polynomial, leading: Sequence[int] | None = None) -> Sum:
         """`p` with the terms of each atom of `leading` (the accelerations) gathered and put first."""
         first = self._first if leading is None else {a: k for k, a in enumerate(leading)}
+        # Each term goes to the acceleration or multiplier that it is linear in, the others stay together.
         parts: dict[int, Polynomial] = {}
         rest: Polynomial = {}
         for monomial, c in p.items():
@@ -124,13 +125,15 @@ class Collector:
         terms = self._gathered({divided(m, shared): value / c for m, value in p.items()})
         if terms[0].coefficient < 0:
             c, terms = -c, [Product(-t.coefficient, t.factors) for t in terms]
+        # The first term is positive now, so equal sums are equal objects: those that all terms share go
+        # out.
         sums, terms = _common_sums(terms)
-        before, after = self._around([*shared.items(), *factors])
+        before, after = self._before_and_after([*shared.items(), *factors])
         if len(terms) == 1:
             return Product(c * terms[0].coefficient, (*before, *sums, *terms[0].factors, *after))
         return Product(c, (*before, *sums, (Sum(tuple(terms)), 1), *after))
 
-    def _around(self, factors: Sequence[tuple[int, Exponent]]) -> tuple[Monomial, Monomial]:
+    def _before_and_after(self, factors: Sequence[tuple[int, Exponent]]) -> tuple[Monomial, Monomial]:
         """Those that stand before a sum, and those after it."""
         ordered = sorted(factors, key=self._factor_key)
         plain = [self._is_plain(a) for a, _ in ordered]
@@ -141,6 +144,7 @@ class Collector:
 
     def _plain(self, p: Polynomial) -> list[Product]:
         """Parameters and coordinates: squares of sums, then a product a monomial of coordinates."""
+        # Squares of sums first: what they use must not be gathered by coordinates.
         squares, p = self._squares(p)
         groups: dict[Monomial, Polynomial] = {}
         for monomial in sorted(p, key=self._term_key):
@@ -177,6 +181,7 @@ class Collector:
             ]
             if not candidates:
                 break
+            # Of several squares the one that uses most terms: (x + y + z)^2 before (x + y)^2.
             monomial, atom, base, used = max(candidates, key=_uses)
             outside = sorted(_less(monomial, atom), key=self._factor_key)
             found.append(Product(p[monomial], (*outside, (self.inside(base), 2))))
@@ -187,6 +192,8 @@ class Collector:
         self, p: Polynomial, monomial: Monomial, atom: int
     ) -> tuple[Polynomial, set[Monomial]] | None:
         """x + b where p holds c*x^2 + 2*c*x*b + c*b^2 with c*x^2 = `monomial`, and those terms."""
+        # c x^2 is there; the terms linear in x give b, and the square counts if all its other terms are
+        # there.
         outside = dict(_less(monomial, atom))
         c = p[monomial]
         b: Polynomial = {}

@@ -109,6 +109,8 @@ class Algebra:
             if top not in self._sums:
                 continue
             total: Polynomial = {}
+            # As in a reverse sweep: the factor of each node is complete when it is reached, because all
+            # that use it were before it. A product of depth n takes n multiplications then, not 2^n.
             factors: dict[Node, Polynomial] = {top: constant(Fraction(1))}
             for node in reversed(within([top], self._sums)):
                 factor = factors.pop(node)
@@ -165,6 +167,8 @@ class Algebra:
         rows = list(table.curve.rows)
         while rows[-1].is_constant and not rows[-1][0]:
             rows.pop()
+        # With the knot k of the piece the rows are f^(j)(k)/j!; f and its slopes at x give them back:
+        # f^(m)(k)/m! = sum of (k - x)^(j - m) f^(j)(x) binomial(j, m)/j!.
         back = self.add(self._looked_up(piece.value.name, x), scaled(x, Fraction(-1)))
         total: Polynomial = {}
         for row in reversed(rows[table.order :]):  # Horner's scheme
@@ -295,6 +299,7 @@ class Algebra:
             return {}
         if c < 0:
             c, rest = -c, scaled(rest, Fraction(-1))
+        # Even powers leave the root: x^2 as |x|, or as x where it is known not to be negative.
         outside = constant(Fraction(1))
         inside: dict[int, Exponent] = {}
         for atom, e in common:
@@ -308,6 +313,7 @@ class Algebra:
                 outside = self.multiply(outside, base)
             if e - whole:
                 inside[atom] = e - whole
+        # So does the number, if it is the square of a fraction.
         square = Fraction(isqrt(c.numerator), isqrt(c.denominator))
         if square * square == c:
             outside, c = scaled(outside, square), Fraction(1)
@@ -344,8 +350,9 @@ class Algebra:
             product = self.multiply(product, base)
         return product
 
-    def rest(self) -> None:
-        """All is multiplied out: what is left, as to see squares while it is written, is not counted."""
+    def end_limit(self) -> None:
+        """Count no further products: all is multiplied out, and to look for squares while it is written may
+        take what it takes."""
         self.limit = inf
 
     def _spend(self, work: int) -> None:

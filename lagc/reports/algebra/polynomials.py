@@ -25,6 +25,7 @@ def fraction(value: float) -> Fraction:
     """Return the simple fraction that `value` equals up to round-off, or `value`. Raises NotFinite."""
     if value - value != 0.0:
         raise NotFinite
+    # Exactly a simple fraction, or a decimal number that someone wrote: these stay as they are.
     near = Fraction(value).limit_denominator(1000)
     if float(near) == value:
         return near

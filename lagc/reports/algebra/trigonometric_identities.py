@@ -49,6 +49,7 @@ class TurningAlgebra(ShortAlgebra):
 def shorten(algebra: Algebra, p: Polynomial) -> Polynomial:
     """`p` after the identities; exactly equal to it."""
     p = dict(p)
+    # A change can make another one possible in the terms that it touched, and nowhere else.
     queue = sorted(p)
     while queue:
         again: list[Monomial] = []
@@ -65,6 +66,7 @@ def _step(algebra: Algebra, p: Polynomial, monomial: Monomial) -> list[Monomial]
     def twin(atom: int, exponent: Exponent) -> int | None:
         return _twin(algebra, atom) if _whole(algebra, atom, exponent, 2) else None
 
+    # First one angle: sin^2 + cos^2. Then the products of two angles.
     for powers, other in exchanged(monomial, twin):
         rest = _sorted(powers)
         changed = _pythagoras(p, monomial, rest, _exchange(rest, [(other, 2)]))

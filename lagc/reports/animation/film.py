@@ -135,7 +135,11 @@ class Drawing:
             self._path(k, body)
             self._body(COLORS[k % len(COLORS)] if len(self.scene.bodies) <= MOST_NAMED else COLORS[0], body)
         for figure in self.scene.figures:
-            axis = None if figure.axis is None else values(figure.axis, self.frames.given, len(self.frames.t))
+            axis = (
+                None
+                if figure.axis is None
+                else values(figure.axis, self.frames.symbol_values, len(self.frames.t))
+            )
             shape = figure.shape if axis is None else {**figure.shape, "axis": axis[:, self.i].tolist()}
             self._figure(GREY, self.frames.p[figure.place, :, self.i], np.eye(3), shape)
         for link in (*self.scene.links, *self.scene.springs):
@@ -301,6 +305,7 @@ def film(shown: Shown, path: str) -> None:
     def step(k: int) -> list[Any]:
         axes.clear()
         set_limits(axes, [each for _, each in shown.all_frames], camera)
+        # Ghosts first, so that the run itself lies above them.
         for number, (_, each) in enumerate(reversed(shown.all_frames)):
             i = int(np.searchsorted(each.t, times[k], side="right")) - 1
             is_leader = number == len(shown.ghosts)

@@ -52,7 +52,7 @@ def _weights(scene: Scene, frames: Frames) -> Iterator[Arrow]:
 
 
 def _loads(scene: Scene, frames: Frames) -> Iterator[Arrow]:
-    given, n = frames.given, len(frames.t)
+    given, n = frames.symbol_values, len(frames.t)
     for force in scene.model.actions:
         if isinstance(force, Force) and force.at is not None:
             v = values(force.vector, given, n)

@@ -93,6 +93,7 @@ def _spanning(found: Sequence[tuple[int, int, float]]) -> Iterator[tuple[int, in
 def arms(sample: Sample, links: Sequence[Link]) -> list[Link]:
     """Return a rod from each particle that one angle moves on a circle, and that nothing else holds, to the
     centre of the circle, which becomes a place."""
+    # A particle that something holds needs no arm.
     tied = {x for link in links for x in (link.a, link.b)}
     tied |= {i for solid in sample.solids for i, _ in solid.attached}
     angles = {c.symbol for c in sample.model.coordinates if isinstance(c, Coordinate) and c.unit == "rad"}
@@ -175,6 +176,8 @@ def _is_elastic(sample: Sample, energy: Node, length: Node, v: Array) -> bool:
         difference: Array = x[0][0] - x[1][0]
         return difference
 
+    # The change of the energy with the length is the same wherever all else is: then it is a sum of a
+    # function of the length and one of the others.
     one = {node: value[0] if np.ndim(value) else value for node, value in sample.given.items()}
     here, there = change(sample.given), change(one)
     if not np.abs(here - there).max() <= EXACT * np.abs(there).max():

@@ -69,7 +69,7 @@ def page_data(shown: Shown) -> dict[str, Any]:
 
 def _axis(channels: Channels, frames: Frames, axis: Vector | None) -> list[list[float]] | None:
     """Return the channels of an axis over the frames."""
-    return None if axis is None else channels.add_all(values(axis, frames.given, len(frames.t)))
+    return None if axis is None else channels.add_all(values(axis, frames.symbol_values, len(frames.t)))
 
 
 def _used(shown: Shown, joints: list[int]) -> set[int]:
@@ -173,6 +173,7 @@ class Channels:
         low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 0.0)
         if high - low <= 1e-13 * max(abs(low), abs(high)) and len(finite) == len(x):
             return [low]
+        # The last level stands for a value that is not finite.
         share = (x - low) / (high - low or 1.0)
         levels = np.where(np.isfinite(x), np.round(np.nan_to_num(share) * LEVELS), NO_VALUE).astype("<u2")
         key = hashlib.sha256(levels.tobytes()).digest()

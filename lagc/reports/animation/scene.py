@@ -116,12 +116,16 @@ def infer(model: Model, run: Solution) -> Scene:
     sample = Sample(model, run)
     distances = Distances(sample)
     links = rods(sample, distances)
+    # Constraints may bring strings; arms are for particles that nothing else holds, so they come after all
+    # links.
     rows = read_rows(sample, distances)
     links += rows.links
     links += arms(sample, links)
     elastic = springs(sample, distances)
     figures = _declared(sample, rows, links, elastic)
     joined = [*links, *elastic]
+    # A mechanism that stands on something is drawn with its travel, another one is followed by the camera;
+    # sizes of figures depend on that.
     feet = _feet(sample, joined)
     extended = sample.size > 1.05 * 0.02 * sample.scale  # more than a single particle
     travels = not feet and not rows.pins and extended and sample.size < FAR * sample.scale

@@ -33,6 +33,7 @@ def find_shapes(sample: Sample, links: Sequence[Link], radii: Mapping[int, float
     for link in links:
         if link.kind == "rod":
             mark = min(mark, max(0.3 * link.length, 0.004 * sample.size))
+    # The radius of a particle grows with the cube root of its mass.
     total = max((b.mass for b in sample.solids), default=1.0) or 1.0
     for body in sample.solids:
         if body.inertia is not None:
@@ -153,6 +154,7 @@ def _rings(sample: Sample) -> None:
             for end in joint.between:
                 hinges.setdefault(end, []).append(joint)
     reach: dict[str, float] = {}
+    # From the innermost body out: a ring is as large as all that it carries.
     for body in reversed(sample.solids):
         joints = hinges.get(body.name, [])
         carried = [reach.get(j.between[1], 0.0) for j in joints]

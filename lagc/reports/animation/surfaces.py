@@ -110,6 +110,7 @@ def _distance(sample: Sample, distances: Distances, r: Array) -> Row | None:
     for power in (1, 2):
         d = distances.d**power
         with np.errstate(all="ignore"):
+            # Two samples give slope and offset for all pairs at once; the others have to agree.
             slope = (r[0] - r[1]) / (d[:, 0] - d[:, 1])
             rest = r[0] - slope * d[:, 0]
             fits = np.abs(slope[:, None] * d + rest[:, None] - r).max(axis=1) < EXACT * np.abs(r).max()

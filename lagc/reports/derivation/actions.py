@@ -27,7 +27,7 @@ def write_actions(draft: Draft) -> None:
     if not draft.model.actions:
         draft.paragraph("no_actions")
     with_rates = {x.name for x in draft.rates.free_terms}
-    for action, term in zip(draft.model.actions, draft.rates.given):
+    for action, term in zip(draft.model.actions, draft.rates.given_terms):
         name = bold(action.name)
         if isinstance(action, Potential):
             if action.gravity is None:

@@ -117,7 +117,7 @@ def derivation_of(equations: EquationsOfMotion, language: str = "en", full: bool
     if writer.abbreviated:
         draft.paragraph("abbreviated", writer.abbreviated)
     return Derivation(
-        language, tuple(draft.blocks), (*rates.given, *rates.reactions),
+        language, tuple(draft.blocks), (*rates.given_terms, *rates.reactions),
         tuple(rates.inertial_terms(rates.kinetic)), tuple(writer.written), dict(writer.meanings),
     )  # fmt: skip
 

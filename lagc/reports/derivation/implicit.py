@@ -127,6 +127,8 @@ class _Search:
         slopes = [self._slopes(x) for x in body.position]
         for k in [k for k in range(3) if not slopes[k]]:
             found.append(self._component(body, k, self._velocity(body, centre, AXES[k])))
+        # Components that move: by the rotation of the body, along coordinates that are components
+        # themselves, at a constant distance, or by components that are known from bodies before.
         moving = [k for k in range(3) if slopes[k]]
         turning = self._from_spin(body, {q: x for k in moving for q, x in slopes[k].items()})
         if moving and all(slopes[k].keys() <= turning.keys() for k in moving):
@@ -287,16 +289,18 @@ def _perpendicular(vectors: Sequence[Numbers]) -> list[Numbers]:
     """Return unit vectors that span the directions perpendicular to `vectors` in space."""
     basis: list[Numbers] = []
     for v in vectors:
-        rest = _rest(v, basis)
+        rest = _perpendicular_part(v, basis)
         if math.hypot(*rest) > ROUNDING:
             basis.append(_scaled(rest))
     count = len(basis)
     while len(basis) < 3:
-        basis.append(_scaled(max([_rest(axis, basis) for axis in AXES], key=lambda x: math.hypot(*x))))
+        basis.append(
+            _scaled(max([_perpendicular_part(axis, basis) for axis in AXES], key=lambda x: math.hypot(*x)))
+        )
     return basis[count:]
 
 
-def _rest(vector: Numbers, basis: Sequence[Numbers]) -> Numbers:
+def _perpendicular_part(vector: Numbers, basis: Sequence[Numbers]) -> Numbers:
     """Return the part of a vector that is perpendicular to unit vectors (Gram and Schmidt)."""
     for unit in basis:
         part = product(vector, unit)

@@ -75,6 +75,7 @@ def _energy(draft: Draft, body: Body, keep: bool) -> Node:
     together."""
     node_of, terms = draft.writer.node_of, list[Node]()
     components = [(_component(draft, p, keep), unit) for p, unit in draft.vectors.express(body.velocity)]
+    # V^2 = sum of x_i x_k e_i . e_k; unit vectors of different frames are not perpendicular.
     for i, (x, unit) in enumerate(components):
         terms.append(0.5 * body.mass * x * x)
         for y, other in components[i + 1 :]:

@@ -66,6 +66,7 @@ def _write_equation(draft: Draft, j: int, change: Node, turned: Node, true: tupl
         draft.formula(Row(by_rate, (rf"{momentum[0]}, \qquad {by_place} = {slope[0]}",)))
     else:
         draft.formula(Row(by_rate, momentum), Row(by_place, slope))
+    # The left side has the derivatives themselves where they are short, else their names.
     is_short = len(momentum) == 1 and width_of(momentum) <= SHORT
     left = [rf"\frac{{d}}{{dt}}\left({momentum[0]}\right)" if is_short else rf"\frac{{d}}{{dt}}{by_rate}"]
     if not writer.is_zero(turned):
@@ -94,7 +95,7 @@ def _letters(draft: Draft, j: int) -> tuple[str, str]:
 def _named_terms(draft: Draft, j: int) -> list[str]:
     """Return the generalized forces along a rate, each with the name of its action or constraint."""
     found = []
-    for term in [*draft.rates.given, *draft.rates.reactions]:
+    for term in [*draft.rates.given_terms, *draft.rates.reactions]:
         if j in term.forces and not draft.writer.is_zero(term.forces[j]):
             sign, text = split_sign(draft.writer.text(term.forces[j], f"term {term.name} {j}"))
             name = words(term.name.rpartition(".")[2])

@@ -178,7 +178,7 @@ class Rates:
         return {j: found[star] for j, star in enumerate(self.stars.values()) if star in found}
 
     @cached_property
-    def given(self) -> list[Term]:
+    def given_terms(self) -> list[Term]:
         """The terms of the actions, in the order of the model; those of kinetic terms are empty."""
         found = []
         for action in self.model.actions:

@@ -163,6 +163,7 @@ def _solved(draft: Draft, rows: Sequence[Held]) -> list[Row]:
     def product(left: Mapping[int, Node], right: Mapping[int, Node]) -> Node:
         return graph.sum(g * right[j] / mass[j] for j, g in left.items() if j in right)
 
+    # G M^-1 D and gamma - G M^-1 (tau - h), by Cramer for one or two unknowns.
     A = [[product(row.gradient, each.direction) for each in rows] for row in rows]
     b = [row.bias - product(row.gradient, dict(enumerate(applied))) for row in rows]
     quotients = [(b[0], A[0][0])]
@@ -179,6 +180,7 @@ def _solved(draft: Draft, rows: Sequence[Held]) -> list[Row]:
 def _quotient_row(draft: Draft, force: Node, top: Node, bottom: Node) -> Row:
     """Return force = top/bottom with common factors cancelled. Raises TooLarge beyond `TERMS`."""
     writer, algebra, least = draft.writer, draft.writer.algebra, dict[int, Exponent]()
+    # Above and below are multiplied by the powers that leave no fraction within, then by what they share.
     pair = writer.polynomials([top, bottom])
     for atom, e in [factor for p in pair for monomial in p for factor in monomial]:
         least[atom] = min(least.get(atom, 0), e, 0)

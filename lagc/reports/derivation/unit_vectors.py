@@ -202,6 +202,7 @@ class UnitVectors:
             return None
         for angle in [each for each in self.turning if each in angles]:
             turn = self.turning[angle]
+            # S sin A + C cos A = alpha u + beta v, compared component by component along s and c.
             S, C = ([table.get(angle, ({}, {}))[k] for table, _ in known] for k in (0, 1))
             (i, s), (j, c) = turn.s, turn.c
             alpha, beta = scaled(S[i], Fraction(s)), scaled(C[i], Fraction(s))  # S = alpha s - beta c

@@ -119,12 +119,14 @@ def formulas(
     motion = motion or divided
     known = nonnegative(equations)
     work = min(WORK + PER_ENTRY * len(equations.v) ** 2, MOST_WORK)
+    # From the most readable to the one that always ends: multiplied out, with total angles taken together
+    # along frames, with names for shared parts.
     for kind in kinds:
         algebra = kind(known, work)
         with suppress(TooLarge):
             collector = collector_of(SymbolKinds(equations), algebra)
             found = everything(equations, collector, motion(equations, collector), laws)
-            algebra.rest()
+            algebra.end_limit()
             return with_long_sums(equations, collector, found)
     naming = NamingAlgebra(equations.graph, shared(_roots(equations, laws)), known)
     collector = collector_of(SymbolKinds(equations), naming)
@@ -239,6 +241,7 @@ def collector_of(kinds: SymbolKinds, algebra: Algebra, within: Sequence[Node] | 
 def with_long_sums(equations: EquationsOfMotion, collector: Collector, formulas: list[Formula]) -> Formulas:
     """With a symbol for each long sum under a root or below a line that is written twice or more."""
     algebra = collector.algebra
+    # How often each atom is written: an atom that is met again brings its arguments once.
     times: dict[int, int] = {}
     pending: list[int | Sum | None] = [part for f in formulas for part in (f.left, f.right, f.condition)]
     while pending:

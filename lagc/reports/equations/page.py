@@ -34,7 +34,7 @@ from lagc.reports.equations.formulas import (
     with_long_sums,
 )
 from lagc.reports.equations.modes import Law
-from lagc.reports.names import Name, Names, names, taken
+from lagc.reports.names import Name, Names, names, words_taken
 from lagc.reports.patterns.formula_trees import Former, Line, Total, indices
 from lagc.reports.patterns.index_rules import ruled, summed
 from lagc.reports.patterns.recursion import arrays, residuals
@@ -121,7 +121,7 @@ def _ruled(equations: EquationsOfMotion, found: Formulas) -> Page:
         shown |= {node: Name(f"part[{k}]", f"part[{k}]") for k, node in enumerate(parts)}
         lines = _lines(found, shown)
         shown |= arrays(parts, lines[: len(parts)], lines[len(parts) :], _letter(equations))
-    free = taken(shown)
+    free = words_taken(shown)
     short = [replace(x, left=summed(x.left, free), right=summed(x.right, free)) for x in _lines(found, shown)]
     return Page(tuple(ruled(short, free)), shown, True, free)
 
@@ -138,7 +138,7 @@ def _in_sums(equations: EquationsOfMotion, motion: Sequence[Node], laws: Sequenc
         every.append(tidy(equations, algebra, algebra.polynomials([node])[0]))
     algebra.limit = limit
     found = everything(equations, collector, divided(equations, collector, every), laws)
-    algebra.rest()
+    algebra.end_limit()
     return with_long_sums(equations, collector, found)
 
 
@@ -146,6 +146,7 @@ def _try_sum(equations: EquationsOfMotion, motion: Sequence[Node]) -> None:
     algebra = ShortAlgebra(nonnegative(equations), ONE)
     collector = collector_of(SymbolKinds(equations), algebra)
     first = tidy(equations, algebra, algebra.polynomials(motion[:1])[0])
+    # Many terms in the first equation of many are no good, nor are terms that follow no rule.
     if len(first) > LOCAL and len(first) * len(motion) > TERMS:
         raise TooLarge
     written = Former(collector, names(equations)).total(collector.collect(collector.cancel(first)))

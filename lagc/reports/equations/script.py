@@ -57,7 +57,7 @@ def write_script(equations: EquationsOfMotion, modes: Sequence[tuple[str, Page]]
     lines += ["import sympy", ""]
     time = found.names[equations.time].base
     lines += [f't = sympy.Symbol("{time}", real=True)', *_declarations(declared, writer)]
-    lines += _together([name for name in parts if not indices(name)])
+    lines += _unindexed([name for name in parts if not indices(name)])
     every = [(title, ScriptWriter(each, _variables(equations, each)), each) for title, each in modes[1:]]
     body = _body(found, writer, every)
     seen = {name for each in (writer, *(own for _, own, _ in every)) for name in each.seen}
@@ -70,6 +70,7 @@ def write_script(equations: EquationsOfMotion, modes: Sequence[tuple[str, Page]]
 
 def _body(found: Page, writer: ScriptWriter, modes: Sequence[Titled]) -> list[str]:
     """Return the lines behind the declarations."""
+    # Shared parts are assigned before the equations that use them; laws, modes and events come after these.
     lines, shown = list[str](), ["equation"]
     shared = [line for line in found.lines if line.kind == "shared"]
     if found.ruled and shared:
@@ -114,7 +115,10 @@ def _modes(modes: Sequence[Titled]) -> list[str]:
         if found.ruled:
             parts = _parts(found)
             indexed: list[Declared] = [(name, "Function", "", "") for name in parts if indices(name)]
-            lines += [*_declarations(indexed, own), *_together([name for name in parts if not indices(name)])]
+            lines += [
+                *_declarations(indexed, own),
+                *_unindexed([name for name in parts if not indices(name)]),
+            ]
         else:
             lines += [f"{line.label} = {own.total(line.right)}" for line in shared]
         kept = [x for x in found.lines if x.kind not in IMPACTS and (found.ruled or x.kind != "shared")]
@@ -167,7 +171,7 @@ def _parts(found: Page) -> list[str]:
     ]
 
 
-def _together(names: list[str]) -> list[str]:
+def _unindexed(names: list[str]) -> list[str]:
     """One declaration of all: they are identifiers."""
     if not names:
         return []

@@ -17,7 +17,7 @@ from lagc.reports.equations.formulas import SymbolKinds, collector_of, nonnegati
 from lagc.reports.equations.modes import IMPACTS, modes
 from lagc.reports.equations.page import Page, in_parts, page
 from lagc.reports.equations.plain_text import TextWriter
-from lagc.reports.names import Name, names, taken, where
+from lagc.reports.names import Name, names, where, words_taken
 from lagc.reports.patterns.formula_trees import Former
 from lagc.reports.patterns.index_rules import summed
 from lagc.symbolic.graph import Node
@@ -94,7 +94,7 @@ class Expressions:
     def __init__(self, equations: EquationsOfMotion, whole: bool) -> None:
         self.equations, self.whole = equations, whole
         self.names = names(equations)
-        self._kinds, self._taken = SymbolKinds(equations), taken(self.names)
+        self._kinds, self._taken = SymbolKinds(equations), words_taken(self.names)
         self.seen: set[Name] = set()
         self.left = WHOLE
 

@@ -7,7 +7,7 @@ the same `pattern`; a rule replaces the numbers by linear expressions of a count
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from fractions import Fraction
 from typing import Any, TypeAlias
 
@@ -35,11 +35,18 @@ Counters: TypeAlias = tuple[tuple[str, Number, Number], ...]  # name, first, las
 
 @dataclass(frozen=True, slots=True)
 class Symbol:
-    """`node`, or what differs from it in its `indices`; `kind` is its name without these."""
+    """`node`, or what differs from it in its `indices`; `kind` is its name without these. Symbols with equal
+    kinds and indices are equal."""
 
     node: Node
     kind: Hashable
     indices: tuple[Number, ...]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Symbol) and (self.kind, self.indices) == (other.kind, other.indices)
+
+    def __hash__(self) -> int:
+        return hash((self.kind, self.indices))
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,62 +153,42 @@ def filled(name: str, numbers: list[str]) -> str:
     return INDEX.sub(lambda _: next(left), name)
 
 
-def pattern(form: Any, numbers: Numbers) -> Hashable:
-    """Return a form without its numbers, which are added to `numbers`; slopes stay."""
-    if isinstance(form, Symbol):
-        return (form.kind, *[_plain(x, numbers) for x in form.indices])
-    if isinstance(form, Call):
-        return (form.op, *[pattern(x, numbers) for x in form.args])
-    if isinstance(form, Total):
-        return ("sum", *[pattern(x, numbers) for x in form.terms])
-    if isinstance(form, Term):
-        size = _plain(form.size, numbers)
-        return (form.negative, size, *[(pattern(x, numbers), e) for x, e in form.factors])
-    if isinstance(form, Series):
-        return (
-            form.counter,
-            _plain(form.first, numbers),
-            _plain(form.last, numbers),
-            pattern(form.body, numbers),
-        )
-    found: list[Hashable] = [
-        form.kind,
-        INDEX.sub("", form.label),
-        *[_plain(x, numbers) for x in form.indices],
-    ]
-    for counter, first, last in form.counters:
-        found += [counter, _plain(first, numbers), _plain(last, numbers)]
-    found += [pattern(x, numbers) for x in (form.left, form.right, form.condition) if x is not None]
-    found.append(_plain(form.clause, numbers))
-    return tuple(found)
+def changed(
+    form: Any, change: Callable[[Number], Number], terms: Callable[[Part], Iterable[Part]] | None = None
+) -> Any:
+    """Return `form` with its numbers changed, always in the same order. `terms` gives what stands for each
+    part of a sum."""
 
+    def inner(x: Any) -> Any:
+        return changed(x, change, terms)
 
-def _plain(number: Number, numbers: Numbers) -> Hashable:
-    if isinstance(number, Linear):
-        numbers.append(number.constant)
-        return number.slopes
-    numbers.append(number)
-    return None
-
-
-def changed(form: Any, change: Callable[[Number], Number]) -> Any:
-    """`form` with its numbers changed, in the order of `pattern`."""
     if isinstance(form, Symbol):
         return Symbol(form.node, form.kind, tuple([change(x) for x in form.indices]))
     if isinstance(form, Call):
-        return Call(form.op, tuple([changed(x, change) for x in form.args]))
+        return Call(form.op, tuple([inner(x) for x in form.args]))
     if isinstance(form, Total):
-        return Total(tuple([changed(x, change) for x in form.terms]))
+        return Total(tuple([y for x in form.terms for y in ([inner(x)] if terms is None else terms(x))]))
     if isinstance(form, Term):
         size = change(form.size)
-        return Term(form.negative, size, tuple([(changed(x, change), e) for x, e in form.factors]))
+        return Term(form.negative, size, tuple([(inner(x), e) for x, e in form.factors]))
     if isinstance(form, Series):
-        return Series(form.counter, change(form.first), change(form.last), changed(form.body, change))
+        return Series(form.counter, change(form.first), change(form.last), inner(form.body))
     own = tuple([change(x) for x in form.indices])
     counters = tuple([(name, change(first), change(last)) for name, first, last in form.counters])
-    left, right = changed(form.left, change), changed(form.right, change)
-    condition = None if form.condition is None else changed(form.condition, change)
+    left, right = inner(form.left), inner(form.right)
+    condition = None if form.condition is None else inner(form.condition)
     return Line(form.kind, form.label, own, left, right, condition, change(form.clause), counters)
+
+
+def pattern(form: Any, numbers: Numbers) -> Hashable:
+    """Return a form without its numbers, which are added to `numbers`; slopes stay."""
+
+    def removed(number: Number) -> Number:
+        numbers.append(number.constant if isinstance(number, Linear) else number)
+        return Linear(0, number.slopes) if isinstance(number, Linear) else 0
+
+    found: Hashable = changed(form, removed)
+    return replace(found, label=INDEX.sub("", found.label)) if isinstance(found, Line) else found
 
 
 def value(number: Number, at: Mapping[str, int]) -> Number:
@@ -214,23 +201,9 @@ def value(number: Number, at: Mapping[str, int]) -> Number:
 
 
 def written_out(form: Any, at: Mapping[str, int]) -> Any:
-    """`form` for values of all counters, its series term by term."""
-    if isinstance(form, Symbol | Term | Call):
-        if isinstance(form, Symbol):
-            return changed(form, lambda x: value(x, at))
-        if isinstance(form, Call):
-            return Call(form.op, tuple([written_out(x, at) for x in form.args]))
-        return Term(
-            form.negative, value(form.size, at), tuple([(written_out(x, at), e) for x, e in form.factors])
-        )
-    if isinstance(form, Total):
-        return Total(tuple([term for part in form.terms for term in terms_of(part, at)]))
-    if isinstance(form, Line):
-        own = tuple([value(x, at) for x in form.indices])
-        left, right = written_out(form.left, at), written_out(form.right, at)
-        condition = None if form.condition is None else written_out(form.condition, at)
-        return Line(form.kind, form.label, own, left, right, condition, value(form.clause, at))
-    raise TypeError(form)
+    """Return `form` for values of all counters, its series term by term."""
+    found = changed(form, lambda x: value(x, at), lambda part: terms_of(part, at))
+    return replace(found, counters=()) if isinstance(found, Line) else found
 
 
 def terms_of(part: Part, at: Mapping[str, int]) -> list[Term]:

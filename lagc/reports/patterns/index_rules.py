@@ -116,6 +116,7 @@ def _number(a: Any, b: Any, first: int, count: int, counter: str) -> Number | No
         return constant
     if isinstance(a, int) and isinstance(b, int):
         return Linear(a - (b - a) // count * first, ((counter, (b - a) // count),))
+    # a + step (k - first) = unit (n k + m) with integers n, m, if start and step have a simple ratio.
     step = (Fraction(b) - a) / count
     start = a - step * first
     ratio = Fraction(start / abs(step)).limit_denominator(_SIMPLE)
@@ -163,6 +164,7 @@ def _short(form: Form, taken: set[str]) -> Form:
 def _series(parts: Sequence[Part], taken: set[str]) -> list[Part]:
     found: dict[int, Part] = dict(enumerate(parts))
     for members, values in _alike(parts):
+        # A rule is made of terms that no earlier rule took.
         for run in progressions(values):
             body = parts[members[run[0]]]
             counter = _free(SUMS, taken | counted(body) | _bound(body))
@@ -234,6 +236,7 @@ def _once(lines: Sequence[Line], taken: set[str]) -> list[Line]:
         for run in progressions(values, _STRIDES)
     ]
     found: dict[int, Line] = dict(enumerate(lines))
+    # Lines of no run may be members of a rule that looks different, as where a sum has one term at an end.
     alone = dict(found)
     for members, _ in runs:
         for place in members:
@@ -245,9 +248,10 @@ def _once(lines: Sequence[Line], taken: set[str]) -> list[Line]:
         if made is None:
             continue
         inner: Line = renumbered(body, made.numbers)
+        # The places of the members by their counter; gaps in it end a line.
         at = dict(zip(range(made.first, made.last + 1), members[::-1] if made.backwards else members))
         if not body.counters:
-            at |= _others(inner, counter, alone, at)
+            at |= _members_alone(inner, counter, alone, at)
         for first, last in _spans(sorted(at)):
             places = [at[k] for k in range(first, last + 1)]
             for place in places:
@@ -257,14 +261,14 @@ def _once(lines: Sequence[Line], taken: set[str]) -> list[Line]:
     return [found[k] for k in sorted(found)]
 
 
-def _others(body: Line, counter: str, alone: dict[int, Line], known: dict[int, int]) -> dict[int, int]:
+def _members_alone(body: Line, counter: str, alone: dict[int, Line], known: dict[int, int]) -> dict[int, int]:
     """Where lines stand that are as a rule says as well, their sums written out, by what it counts."""
     places: dict[int, int] = {}
     for place, line in alone.items():
         at = None if line.counters else _counts(body, line)
         if at is not None and at not in known:
             here: Line = written_out(body, {counter: at})
-            if (here.indices, here.clause) == (line.indices, line.clause) and _same(here, line):
+            if (here.indices, here.clause) == (line.indices, line.clause) and _are_equal(here, line):
                 places[at] = place
     return {k: place for k, place in places.items() if k - 1 in known | places or k + 1 in known | places}
 
@@ -297,7 +301,7 @@ def _of(line: Line) -> Hashable:
     return (line.kind, INDEX.sub("", line.label))
 
 
-def _same(a: Line, b: Line) -> bool:
+def _are_equal(a: Line, b: Line) -> bool:
     b = written_out(b, {})
     return all(
         (x is None) == (y is None) and (x is None or y is None or _terms(x) == _terms(y))

@@ -105,6 +105,7 @@ class _Arrays:
     def _aligned(self, number: int, members: list[Member]) -> Array:
         """The index of a member is that of something that it is made of, else its place."""
         found = list(range(1, len(members) + 1))
+        # Indices of the model first, those of other arrays last: an array counts as the bodies do.
         columns = [list(column) for column in zip(*[member.uses for member in members])]
         for column in sorted(columns, key=lambda column: column[0].node in self.own):
             known = [self._index(use) for use in column]
@@ -155,33 +156,37 @@ class _Arrays:
 def _groups(members: Sequence[Member]) -> list[list[Member]]:
     """Members that are alike, and made of parts that are."""
     keys: list[Hashable] = [member.shape for member in members]
+    # Refine by the groups of the operands, as the states of an automaton are told apart (E. F. Moore,
+    # 1956).
     for _ in range(_ROUNDS):
         group_of: dict[Node | None, int] = {}
         own: dict[int, int] = {}
-        for number, group in enumerate(_parted(keys)):
+        for number, group in enumerate(_by_key(keys)):
             if len(group) >= LEAST:
                 group_of.update((members[k].node, number) for k in group)
                 own.update((k, number) for k in group)
         keys = [
-            (key, *_others(member, group_of, own.get(k)))
+            (key, *_groups_of_operands(member, group_of, own.get(k)))
             for k, (key, member) in enumerate(zip(keys, members))
         ]
     found = []
-    for group in _parted(keys):
-        apart = _parted([members[k].numbers for k in group])
+    for group in _by_key(keys):
+        apart = _by_key([members[k].numbers for k in group])
         if len(apart) * LEAST > len(group):
             apart = [list(range(len(group)))]  # their numbers follow a rule, or none
         found += [[members[group[k]] for k in part] for part in apart if len(part) >= LEAST]
     return found
 
 
-def _others(member: Member, group_of: dict[Node | None, int], own: int | None) -> list[int | None]:
+def _groups_of_operands(
+    member: Member, group_of: dict[Node | None, int], own: int | None
+) -> list[int | None]:
     """The groups of what it is made of, but for its own: an array may begin with something else."""
     groups = [group_of.get(use.node) for use in member.uses]
     return [None if group == own else group for group in groups]
 
 
-def _parted(keys: Sequence[Hashable]) -> list[list[int]]:
+def _by_key(keys: Sequence[Hashable]) -> list[list[int]]:
     groups: dict[Hashable, list[int]] = {}
     for place, key in enumerate(keys):
         groups.setdefault(key, []).append(place)
@@ -204,11 +209,11 @@ def _collect(form: Form | Part, found: list[Use]) -> None:
         if len(form.indices) == 1 and isinstance(form.indices[0], int):
             found.append(Use(form.node, form.indices[0]))
     elif not isinstance(form, Series):
-        for x in below(form):
+        for x in operands(form):
             _collect(x, found)
 
 
-def below(form: Call | Total | Term) -> Sequence[Form | Part]:
+def operands(form: Call | Total | Term) -> Sequence[Form | Part]:
     if isinstance(form, Call):
         return form.args
     return form.terms if isinstance(form, Total) else [factor for factor, _ in form.factors]

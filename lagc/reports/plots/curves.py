@@ -87,6 +87,8 @@ def _constant(solution: Solution, run: Trajectory) -> Iterator[str]:
         here, there = rates_at(system, t, x), rates_at(system, t, near)
         if here is not None and there is not None:
             change = [max(c, abs(b - a)) for c, a, b in zip(change, here, there)]
+    # A rate that is round-off moves a state by at most its size times the time; a coordinate moves by its
+    # speed.
     moved = [time * c for c in change]
     if system.nq == system.nv:
         moved[: system.nq] = [time * m for m in moved[system.nq :][: system.nv]]

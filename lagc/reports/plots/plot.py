@@ -224,6 +224,7 @@ def _draw_group(
             below, above = ([x + sign * error for x in shown] for sign in (-1.0, 1.0))
             axis.fill_between(run.times, below, above, color=line.get_color(), alpha=0.2, linewidth=0.0)
     _label(axis, unit, names)
+    # Round-off must not fill an axis: a constant gets an axis of the size of its values or its terms.
     if flat and ends:
         low, high = min(ends), max(ends)
         half = 0.6 * max(abs(low), abs(high), size) or 1.0
@@ -302,6 +303,7 @@ def plot_modes(linear: Linear, title: str, path: str | None = None) -> Figure:
     the eigenvalue 0 are left out. Writes the file `path` if given; raises as `plot`."""
     interface = linear.system.interface
     names, nq = interface.q_names, interface.nq
+    # A conjugate pair is one mode; its real and imaginary parts are a quarter of a period apart.
     shown = [k for k, value in enumerate(linear.eigenvalues) if value and value.imag >= 0.0][:MOST]
     with styled():
         from matplotlib.figure import Figure
@@ -330,6 +332,8 @@ def plot_modes(linear: Linear, title: str, path: str | None = None) -> Figure:
         if not shown:
             axes[0].set(xlim=(-0.6, nq - 0.4), yticks=[])
             axes[0].set_title("no eigenvalues but 0", fontsize=8, loc="left")
+        # Names of coordinates stand below the lowest panels alone: level, slanted, or every second, third,
+        # ...
         every = ceil(nq / NAMED)
         labels = [f"{name} [{unit}]" if unit else name for name, unit in zip(names, interface.q_units)]
         slanted: dict[str, Any] = {"rotation": 45, "ha": "right", "rotation_mode": "anchor"}

@@ -26,7 +26,6 @@ from lagc.semantics.names.scope import (
 )
 from lagc.semantics.units import ENERGY, FORCE, NONE, POWER, Dimension, M, describe, over, si_text, times
 from lagc.semantics.values.evaluate import Argument, all_values, both, each, evaluate, evaluate_as
-from lagc.semantics.values.kinematics import material_velocity, velocity_of
 from lagc.semantics.values.members import element
 from lagc.semantics.values.unit_hints import expect_of, is_bare, unit_remedy
 from lagc.symbolic.graph import Node
@@ -269,6 +268,8 @@ def _where_applied(
 ) -> tuple[Vector, Vector, bool]:
     """Return the velocity of the point where a force acts, that point, and whether it belongs to a body. With
     `from`, the velocity is relative to the material point of the other body."""
+    from lagc.semantics.values.kinematics import material_velocity, velocity_of  # loaded where it acts
+
     at = place.value.position if isinstance(place.value, Body) else None
     if body is None or source.body is None:
         if source.reaction is not None:

@@ -30,7 +30,6 @@ from lagc.semantics.units import KG, NONE, M, S, dimension, over
 from lagc.semantics.values.calls import look_at_arguments, match
 from lagc.semantics.values.evaluate import Argument, each, evaluate, evaluate_as
 from lagc.semantics.values.frame_vectors import unit_vector
-from lagc.semantics.values.kinematics import turned_by, velocity_of
 from lagc.semantics.values.unit_hints import is_bare
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix, Vector, dot
@@ -77,6 +76,9 @@ def declare_body(context: Context, entry: Entry) -> Value:
         position = release_place(context, entry, position)
         frame = frame and release_frame(context, entry, frame)
         place = Argument(vector_value(position, M), place.span)
+    # Loaded here, because a model with a fault in a position needs no motion.
+    from lagc.semantics.values.kinematics import velocity_of
+
     velocity = velocity_of(context, place, None)
     body = objects.Body(entry.path, mass, position, velocity, frame, inertia, entry.span, entry.effect)
     entry.objects.append(body)
@@ -106,6 +108,7 @@ def _place_by_joints(
     """Return the position and the frame of a body that joints may place.  Raises Wrong."""
     from lagc.semantics.joints import linkage_of
     from lagc.semantics.values.frame_vectors import is_constant
+    from lagc.semantics.values.kinematics import turned_by
 
     linkage = linkage_of(context, entry)
     if entry in linkage.roots:

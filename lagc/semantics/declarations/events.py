@@ -221,11 +221,11 @@ def _condition(context: Context, written: tree.Expression, environment: Environm
     return value.node
 
 
-def _refuse_late(context: Context, node: Node, written: tree.Expression, what: str) -> None:
+def _refuse_late(context: Context, node: Node, written: tree.Expression) -> None:
     if context.clock.mask(node) & LATE:
         message = (
-            f"{what} depends on an acceleration, a reaction or an energy of the run, which are only known "
-            "after the equations are solved"
+            "a new value depends on an acceleration, a reaction or an energy of the run, which are only "
+            "known after the equations are solved"
         )
         remedy = "compare it in the condition of the clause instead: `when reaction(c) > 5 [N] then ...`"
         raise Wrong("LAG0219", message, written.span, remedy)
@@ -288,7 +288,7 @@ def _reinit(context: Context, statement: tree.Statement, environment: Environmen
         if not isinstance(new, Truth):
             message = f"`{target.span.text}` is true or false; this is {kind(new)}"
             raise Wrong("LAG0307", message, written.span, f"write `reinit({target.span.text}, true)`")
-        _refuse_late(context, new.node, written, "a new value")
+        _refuse_late(context, new.node, written)
         _change(found, truth, number_of(context.graph, new), target)
         return
     states = [] if isinstance(value, Truth) else flat(value, target.span, "the first argument of `reinit`")
@@ -304,7 +304,7 @@ def _reinit(context: Context, statement: tree.Statement, environment: Environmen
         raise Wrong("LAG0306", f"the new value must be {kind(value)}; this is {kind(new)}", written.span)
     for state, one in zip(states, values):
         expect_of(written, one.dimension, state.dimension or NONE, "the new value", describe(dimension))
-        _refuse_late(context, one.node, written, "a new value")
+        _refuse_late(context, one.node, written)
         _change(found, state.node, one.node, target)
 
 

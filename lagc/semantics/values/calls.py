@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import partial
+from functools import cache, partial
 
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Poisoned, Span, Wrong
@@ -20,7 +20,7 @@ from lagc.semantics.context import Context
 from lagc.semantics.names.namespace import Declared, Namespace
 from lagc.semantics.names.scope import Entry, Environment, Instance, Scalar, Value, expect, flat
 from lagc.semantics.units import TYPES, QuantityType, UnknownUnit, quantity_type, si_text, unit
-from lagc.semantics.values import functions, kinematics
+from lagc.semantics.values import functions
 from lagc.semantics.values.evaluate import Argument, all_values, each, evaluate, evaluate_as
 from lagc.semantics.values.functions import RESERVED, Builtin
 from lagc.semantics.values.unit_hints import is_bare
@@ -158,16 +158,26 @@ def _real(written: tree.Unit) -> QuantityType:
     return quantity_type("Real", "" if text == "1" else text)
 
 
-BUILTINS: dict[str, Builtin] = {**functions.TABLE, **kinematics.TABLE, **functions.TABLES}
-
 DEEPEST = 64  # nesting of calls
 MOST_CALLS = 50_000  # calls of the user's functions in one model
 LONGEST = 64  # arguments of one call
 
 
+@cache
+def builtins() -> dict[str, Builtin]:
+    """Return the built-in functions by name."""
+    from lagc.semantics.values import kinematics  # loaded for a name that is no function of numbers
+
+    return {**functions.TABLE, **kinematics.TABLE, **functions.TABLES}
+
+
+def _builtin(name: str) -> Builtin | None:
+    return functions.TABLE.get(name) or builtins().get(name)
+
+
 def shortest_call(name: str) -> str | None:
     """Return the shortest call of a built-in function, `velocity(of)`, or None."""
-    builtin = BUILTINS.get(name)
+    builtin = _builtin(name)
     if builtin is None:
         return None
     return f"{name}({', '.join(builtin.parameters[: builtin.required])})"
@@ -199,7 +209,7 @@ def _function_of(
         names = _parameters(own[0])
         return own, match(context, e, names, len(names), f"`{own[0].name}`")
     name = e.function.name if isinstance(e.function, tree.Name) else ""
-    builtin = BUILTINS.get(name)
+    builtin = _builtin(name)
     if builtin is None:
         raise _unknown(name, e, environment)
     return builtin, match(context, e, builtin.parameters, builtin.required, f"`{name}`")
@@ -209,7 +219,7 @@ def look_at_arguments(context: Context, e: tree.Call, environment: Environment) 
     """Report the faults in the arguments of a call that has a fault itself."""
     name = e.function.name if isinstance(e.function, tree.Name) else ""
     for k, argument in enumerate(e.arguments[:LONGEST]):
-        if argument.value is not None and (name in BUILTINS or keeps_argument(name, k)):
+        if argument.value is not None and (_builtin(name) or keeps_argument(name, k)):
             context.attempt(evaluate, context, argument.value, environment)
 
 
@@ -314,12 +324,12 @@ def _declared_function(
     # A path that leads nowhere: perhaps a built-in function, written as in a library of another language.
     if len(path) > 1 and environment.space.lookup(path[0]) is None:
         texts = [argument.span.text for argument in e.arguments]
-        remedy = f"write `{path[-1]}`" if path[-1] in BUILTINS else foreign_call(path[-1], texts)
-        remedy = remedy or did_you_mean(path[-1], BUILTINS)
+        remedy = f"write `{path[-1]}`" if path[-1] in builtins() else foreign_call(path[-1], texts)
+        remedy = remedy or did_you_mean(path[-1], builtins())
         raise Wrong("LAG0203", f"there is no function `{'.'.join(path)}`", function.span, remedy)
     found, space = environment.space.find(path, function.span, "function")
     if not isinstance(found, tree.FunctionDeclaration):
-        if len(path) == 1 and path[0] in BUILTINS:
+        if len(path) == 1 and path[0] in builtins():
             return None
         raise Wrong("LAG0221", f"`{'.'.join(path)}` is not a function", function.span)
     return found, space_only(space, found.span)
@@ -426,5 +436,5 @@ def _unknown(name: str, e: tree.Call, environment: Environment) -> Wrong:
         return Wrong("LAG0221", message, span, remedy)
     functions = [n for n, entry in environment.instance.entries.items() if entry.kind == "function"]
     meant = foreign_call(name, [argument.span.text for argument in e.arguments])
-    meant = meant or did_you_mean(name, [*functions, *BUILTINS, *environment.space.known()])
+    meant = meant or did_you_mean(name, [*functions, *builtins(), *environment.space.known()])
     return Wrong("LAG0201", f"there is no function `{name}`", span, meant)

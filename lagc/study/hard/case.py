@@ -116,7 +116,7 @@ class Row:
     notes: tuple[str, ...] = ()
 
     @property
-    def kept(self) -> bool:
+    def meets_figures(self) -> bool:
         """Whether all figures are kept."""
         return self.found is not None and all(
             value is None or value <= figure.most
@@ -133,8 +133,8 @@ class Hard:
     complete: bool = False
 
     @property
-    def kept(self) -> bool:
-        return all(row.kept for row in self.rows)
+    def meets_figures(self) -> bool:
+        return all(row.meets_figures for row in self.rows)
 
 
 def measured(case: Case, lab: Lab) -> Row:
@@ -163,6 +163,7 @@ def study(
             for backend in backends:
                 done, doing = len(found.rows), f"{case.name} ({backend})"
 
+                # Defaults bind the values of this turn of the loop.
                 def tell(inner: float, words: str, done: int = done, doing: str = doing) -> None:
                     progress((done + min(max(inner, 0.0), 1.0)) / total, f"{doing} {words}")
 

@@ -27,7 +27,7 @@ def _state_after(run: Any, t: float) -> list[float]:
     return list(found[-1])
 
 
-def _apart(found: float, exact: float) -> float:
+def _relative_error(found: float, exact: float) -> float:
     """The relative difference; the difference itself where the exact value is 0."""
     return abs(found - exact) / (abs(exact) or 1.0)
 
@@ -38,10 +38,10 @@ def bouncing_ball(lab: Lab) -> Found:
     hits = [event for event in run.events if event.kind == "impact"]
     if len(hits) < len(known["impact_times"]) or run.events[-1].kind != "rests":
         return Found((inf, inf, inf, inf), how(run))
-    times = max(_apart(hit.t, t) for hit, t in zip(hits, known["impact_times"]))
+    times = max(_relative_error(hit.t, t) for hit, t in zip(hits, known["impact_times"]))
     gains = 1.0 + 1.0 / 0.7  # the impulse of 1 kg over the speed after
     speeds = max(abs(hit.impulse / (gains * v) - 1.0) for hit, v in zip(hits, known["speeds_after"]))
-    rest = _apart(run.events[-1].t, known["rest_time"])
+    rest = _relative_error(run.events[-1].t, known["rest_time"])
     left = max(abs(run.final["y"]), abs(run.final["der(y)"]))
     return Found((times, speeds, rest, left), how(run), f"{len(hits)} impacts", run)
 
@@ -52,10 +52,10 @@ def incline(lab: Lab) -> Found:
     run = lab.run(model, 1000.0, accuracy=1e-10, points=3)
     sticks = _first(run, "sticks").t
     creep = abs(run["s"][2] - run["s"][1]) + abs(run.final["der(s)"])
-    place = _apart(run.final["s"], known["distance"])
+    place = _relative_error(run.final["s"], known["distance"])
     back = lab.run(model, known["back_time"], accuracy=1e-10, points=2, parameters={"mu": 0.3})
-    speed = max(abs(back.final["s"]), _apart(-back.final["der(s)"], known["back_speed"]))
-    values = _apart(sticks, known["stop_time"]), place, creep, speed
+    speed = max(abs(back.final["s"]), _relative_error(-back.final["der(s)"], known["back_speed"]))
+    values = _relative_error(sticks, known["stop_time"]), place, creep, speed
     return Found(values, how(run), f"{run.cost.steps} steps", run)
 
 
@@ -65,10 +65,10 @@ def slide_off_sphere(lab: Lab) -> Found:
     opens = _first(run, "opens")
     x = _state_after(run, opens.t)
     angle, speed = atan2(x[0], x[1]), hypot(x[2], x[3])
-    leaves = max(_apart(opens.t, known["leave_time"]), _apart(angle, known["leave_angle"]),
-                 _apart(speed, known["leave_speed"]))  # fmt: skip
-    down = [_apart(run.t[-1], known["down_time"]), _apart(run.final["x"], known["x"])]
-    down += [_apart(run.final[f"der({n})"], v) for n, v in zip("xy", known["velocity"])]
+    leaves = max(_relative_error(opens.t, known["leave_time"]), _relative_error(angle, known["leave_angle"]),
+                 _relative_error(speed, known["leave_speed"]))  # fmt: skip
+    down = [_relative_error(run.t[-1], known["down_time"]), _relative_error(run.final["x"], known["x"])]
+    down += [_relative_error(run.final[f"der({n})"], v) for n, v in zip("xy", known["velocity"])]
     return Found((leaves, max(down)), how(run), run=run)
 
 
@@ -98,7 +98,7 @@ def rod_impact(lab: Lab) -> Found:
         (abs(run["der(angle)"][0]), known["turning"]),
         (run["der(y)"][0] + abs(run["der(angle)"][0]) * cos(0.7) / 2.0, known["tip"]),
     )
-    return Found((max(_apart(float(a), b) for a, b in pairs),), how(run), run=run)
+    return Found((max(_relative_error(float(a), b) for a, b in pairs),), how(run), run=run)
 
 
 def stacked_balls(lab: Lab) -> Found:
@@ -109,12 +109,14 @@ def stacked_balls(lab: Lab) -> Found:
         run = lab.run(model, 0.46, accuracy=1e-9, parameters={"m1": m1, "m2": m2, "e": e})
         x = _state_after(run, _first(run, "impact").t)
         pairs = [(x[3], upper)] + ([(x[2], lower)] if lower >= 0.0 else [])  # else it falls back at once
-        worst = max(worst, *(_apart(a, b) for a, b in pairs))
+        worst = max(worst, *(_relative_error(a, b) for a, b in pairs))
     three = lab.compile("contact/newtons_cradle", parameters={"n": 3, "e": 0.9})
     run = lab.run(three, 0.6, accuracy=1e-9)
     after = _state_after(run, _first(run, "impact").t)[3:6]
     shares = [v / sum(after) for v in after]  # of the momentum, all in the first ball before
-    return Found((worst, max(_apart(a, b) for a, b in zip(shares, known["row_after"]))), how(run), run=run)
+    return Found(
+        (worst, max(_relative_error(a, b) for a, b in zip(shares, known["row_after"]))), how(run), run=run
+    )
 
 
 def cradle(lab: Lab) -> Found:
@@ -152,9 +154,11 @@ def rocking_block(lab: Lab) -> Found:
     stop = 10.0 if lab.backend == "c" else 3.0
     run = lab.run(lab.compile("contact/rocking_block", "all"), stop, method="dop853", rtol=1e-14)
     hits = [event.t for event in run.events if event.kind == "impact"]
-    times = [_apart(hit, t) for hit, t in zip(hits, known["impact_times"])]
-    ratios = [_apart(x[5] / before[5], known["ratio"]) for t, before, x in run.corners if t in hits[:100]]
-    rest = _apart(run.final["E"], known["energy_at_rest"]) if lab.backend == "c" else None
+    times = [_relative_error(hit, t) for hit, t in zip(hits, known["impact_times"])]
+    ratios = [
+        _relative_error(x[5] / before[5], known["ratio"]) for t, before, x in run.corners if t in hits[:100]
+    ]
+    rest = _relative_error(run.final["E"], known["energy_at_rest"]) if lab.backend == "c" else None
     worst = [max(part, default=inf) for part in (times, ratios)]
     return Found((*worst, rest), how(run), f"{len(hits)} impacts", run)
 
@@ -166,7 +170,7 @@ def tippe_top(lab: Lab) -> Found:
     sphere = [j for t, j in zip(run.t, run["J1"]) if t < first]
     stem = [j for t, j in zip(run.t, run["J2"]) if t > last]
     gains = max(after - before for before, after in zip(run["E"], run["E"][1:]))
-    values = [max(_apart(j, part[0]) for j in part) if part else None for part in (sphere, stem)]
+    values = [max(_relative_error(j, part[0]) for j in part) if part else None for part in (sphere, stem)]
     said = f"it leans by {run.final['theta']:.3g} rad"
     return Found((*values, max(gains / run["E"][0], 0.0)), how(run), said, run)
 

@@ -40,10 +40,12 @@ def chain_accelerations(
         a, w, m = ([Decimal(x) for x in values] for values in (angles, rates, masses))
         length, gravity, n = Decimal(link), Decimal(g), len(angles)
         turns = [sine_cosine(a[i] - a[i - 1]) for i in range(1, n)]  # sin and cos between links
+        # The system: diagonal and right-hand side. The first link also carries gravity along itself.
         diagonal = [-(1 / m[i] + (1 / m[i - 1] if i else 0)) for i in range(n)]
         right = [-length * w[i] * w[i] for i in range(n)]
         sine, cosine = sine_cosine(a[0])
         right[0] -= gravity * cosine
+        # Forward elimination, then back substitution (L. H. Thomas).
         for i in range(1, n):  # the coupling of the rows i - 1 and i is c_i/m_(i-1)
             coupling = turns[i - 1][1] / m[i - 1]
             factor = coupling / diagonal[i - 1]
@@ -53,6 +55,8 @@ def chain_accelerations(
         for i in reversed(range(n)):
             above = turns[i][1] / m[i] * tension[i + 1] if i + 1 < n else 0
             tension[i] = (right[i] - above) / diagonal[i]
+        # Across a link act gravity, on the first alone since all bobs fall alike, and the tensions of its
+        # neighbours.
         turn = [Decimal(0)] * n
         turn[0] = -gravity * sine
         for i in range(1, n):
@@ -94,6 +98,7 @@ def _half_pi() -> int:
             total += sign * (term // k)
         return total
 
+    # pi/4 = 4 arctan(1/5) - arctan(1/239), with 16 bits that are cut off at the end.
     return (8 * arctangent(5) - 2 * arctangent(239)) >> 16
 
 
@@ -133,6 +138,9 @@ def _series(
     d: list[int] = []
     du: list[int] = []
     dv: list[int] = []
+    # u, v are the rates. 2 u' + c v' = p and c u' + v' = q, with c, s = cos, sin(a - b), p = -v^2 s - 2 g
+    # sin a and q = u^2 s - g sin b; so d u' = p - c q and d v' = 2 q - c p with d = 2 - c^2. Coefficient k
+    # of a quotient follows from those before it (R. E. Moore, 1966).
     for k in range(ORDER):
         uu.append(_times(u, u))
         vv.append(_times(v, v))
