@@ -1,6 +1,7 @@
 """Speed and accuracy beside other tools, measured in one run.
 
     python -m tools.benchmarks [--quick] [--write] [--json FILE]
+    python -m tools.benchmarks contacts                   (separate contacts, beside MuJoCo)
     python -m tools.benchmarks growth | stages | startup    (lagc alone: its compiler and its processes)
 
 Other tools are used if they are installed: pip install -e '.[peers]'.
@@ -18,7 +19,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from tools.benchmarks.measured import Report
 
-OTHERS = ("growth", "stages", "startup")
+OTHERS = ("contacts", "growth", "stages", "startup")
 
 
 def main() -> int:

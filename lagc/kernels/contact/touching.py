@@ -55,7 +55,7 @@ def find_touching(x: Vec[NX], w: Work) -> bool:
     return found
 
 
-def list_blocks(first: Size, last: Size, sliding: bool, w: Work) -> None:
+def list_blocks(first: int, last: int, sliding: bool, w: Work) -> None:
     """List the contacts in w.contacts.touched of blocks first..last - 1 for the law, closed in the modes
     w.contacts.modes and without friction, and with slip rows if `sliding`; else for displacements, which
     bounds of velocities do not restrict."""
@@ -101,7 +101,7 @@ def list_blocks(first: Size, last: Size, sliding: bool, w: Work) -> None:
 
 def list_contacts(sliding: bool, w: Work) -> None:
     """List the contacts in w.contacts.touched of all blocks."""
-    list_blocks(0, NBLOCK, sliding, w)
+    list_blocks(0, size(NBLOCK), sliding, w)
 
 
 def set_slip_directions(w: Work) -> None:

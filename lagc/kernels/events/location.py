@@ -188,7 +188,7 @@ def within_mode(k: int, low: Real, high: Real, w: Work) -> bool:
 
 def suspect_all(w: Work) -> None:
     """Suspect all indicators that depend on the state: none of them is known to stay in its mode."""
-    w.events.suspects = NFREE
+    w.events.suspects = size(NFREE)
     for j in range(NFREE):
         w.events.suspect[j] = j
     if NCON > 0:
@@ -237,7 +237,7 @@ def find_suspects(p: Params, s: State, w: Work) -> int:
 
 def watch_all(w: Work) -> None:
     """Watch all states on the parts of a step."""
-    w.search.watching = NQ + NV
+    w.search.watching = size(NMOVED)
     for i in range(NQ + NV):
         w.search.watched[i] = i
 
