@@ -274,7 +274,7 @@ class CompiledModel(Differentiable, Measurable, Comparable, Sweepable, Fittable,
         """Simulate from t = 0 to `stop` and return the motion.
 
         stop: the end time in s.
-        accuracy: the global relative error of each coordinate, speed and output over the whole motion
+        accuracy: the global relative error of each coordinate, speed and output at the recorded times
             (default 1e-6).  Method and tolerance are chosen, and the error is estimated by comparing runs.
         method, rtol, atol, step: choose the integration method and its tolerances, or a fixed step in s,
             instead of an accuracy; the error is not estimated then.

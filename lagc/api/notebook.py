@@ -23,6 +23,8 @@ from lagc.api import loads
 from lagc.api.columns import name_and_unit
 from lagc.api.values import real
 from lagc.base.text import Quantity
+from lagc.compiler.checking import check
+from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Fault, Refused, Span
 
 _COLORS = {"error": "#d33", "warning": "#d90"}
@@ -86,14 +88,13 @@ def lag(line: str, cell: str, local_ns: dict[str, Any]) -> None:
     if not options.name.isidentifier() or iskeyword(options.name):
         raise UsageError(f"`{options.name}` is no name of Python for the model")
     found = loads(cell, f"<{options.name}>")
-    faults = found.check()
+    given = dict(options.parameter)
+    faults = check(found.source, Choice(options.model, options.scene, parameters=given))
     if faults:
         display(Faults(faults))
     if any(fault.severity == "error" for fault in faults):
         return
-    model = local_ns[options.name] = found.compile(
-        options.scene, model=options.model, parameters=dict(options.parameter)
-    )
+    model = local_ns[options.name] = found.compile(options.scene, model=options.model, parameters=given)
     display(model)
     if options.stop is not None:
         run = local_ns[f"{options.name}_run"] = model.simulate(options.stop, accuracy=options.accuracy)

@@ -149,7 +149,7 @@ class Sweepable(Parametrized):
         own = units_of(interface)
         quantities_ = columns_of(interface)
         columns = [name if kind == "final" else f"{kind}({name})" for kind in keep for name in quantities_]
-        needed = NUMBER * len(plan) * (FIRST + len(columns))
+        needed = NUMBER * len(plan) * (len(FIRST) + len(columns))
         if needed > of_this_machine():
             message = f"{len(plan)} runs of {len(columns)} numbers need about {size_text(needed)} of memory"
             remedy = "sweep fewer points, or keep fewer numbers"

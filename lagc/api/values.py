@@ -78,6 +78,8 @@ def _quantity(name: str, value: Value) -> float | Quantity:
 
 def real(name: str, value: object) -> float:
     """Return a number; a text is read as strictly as on the command line.  Raises ValueError or TypeError."""
+    if type(value) is float:  # of perhaps a million
+        return value
     if isinstance(value, SupportsFloat):
         try:
             return float(value)

@@ -16,6 +16,7 @@ from lagc.cli.options import add_model_options, add_outputs_option, choice_of
 from lagc.cli.output import DONE, Usage, cannot_write, print_json, say, show
 from lagc.cli.signals import SIGNALS
 from lagc.host.atomic_write import Files, folder, no_folder
+from lagc.host.packages import is_installed
 from lagc.kernels import DEFAULT_METHOD, METHODS
 
 if TYPE_CHECKING:
@@ -30,55 +31,43 @@ FMUS = {"fmu3": 3, "fmu2": 2}  # targets, with their version of FMI
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
     add_outputs_option(parser)
+    # The kind of code, and where it goes.
     parser.add_argument(
         "--target", choices=("c", "numpy", *FMUS), default="c",
         help="C, a Python module, or a Functional Mock-up Unit of FMI 3.0 or 2.0",
     )  # fmt: skip
     parser.add_argument(
-        "--platforms", metavar="NAME,...", type=platforms,
-        help="the machines that an FMU has libraries for, such as linux64,win64; default: this one",
-    )  # fmt: skip
-    parser.add_argument("--no-binaries", action="store_true", help="an FMU of sources alone")
-    parser.add_argument(
-        "--real", choices=("double", "float", "quad"), default="double",
-        help="the type of numbers in C (quad: __float128 of GCC)",
-    )  # fmt: skip
-    add_c_options(parser)
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="DIR",
-        default=".",
+        "-o", "--output", metavar="DIR", default=".",
         help="the folder for the files; created if it does not exist",
-    )
+    )  # fmt: skip
+    # The functions that it has.
     parser.add_argument(
-        "--derivatives", action="store_true", help="add exact derivatives by state, parameters and inputs"
-    )
-    parser.add_argument(
-        "--events", action="store_true", help="add functions of events for integrators of your own, in C"
-    )
-    parser.add_argument(
-        "--verified",
-        action="store_true",
-        help="add the run to a global accuracy that returns its error, in C",
-    )
-    parser.add_argument(
-        "--method",
-        metavar="NAME,...",
-        default=DEFAULT_METHOD,
-        type=methods,
+        "--method", metavar="NAME,...", default=DEFAULT_METHOD, type=methods,
         help=f"the methods of integration that the code has: some of {', '.join(METHODS)}",
-    )
-
-
-def add_c_options(parser: argparse.ArgumentParser) -> None:
-    """Options of --target c."""
+    )  # fmt: skip
+    for name, about in {
+        "--derivatives": "add exact derivatives by state, parameters and inputs",
+        "--events": "add functions of events for integrators of your own, in C",
+        "--verified": "add the run to a global accuracy that returns its error, in C",
+        "--cmake": "add files for CMake and pkg-config",
+        "--no-binaries": "an FMU of sources alone",
+    }.items():
+        parser.add_argument(name, action="store_true", help=about)
     parser.add_argument(
         "--only", metavar="NAME,...", type=lambda text: tuple(name.strip() for name in text.split(",")),
         default=(), help="the functions that the C has, such as rhs,outputs, without integrators",
     )  # fmt: skip
-    parser.add_argument("--cmake", action="store_true", help="add files for CMake and pkg-config")
-    parser.add_argument("--version", metavar="1.2.0", type=version, help="of that package (default: 1.0.0)")
+    # Options of one target.
+    parser.add_argument(
+        "--real", choices=("double", "float", "quad"), default="double",
+        help="the type of numbers in C (quad: __float128 of GCC)",
+    )  # fmt: skip
+    parser.add_argument("--version", metavar="1.2.0", type=version,
+                        help="of the package of --cmake (default: 1.0.0)")  # fmt: skip
+    parser.add_argument(
+        "--platforms", metavar="NAME,...", type=platforms,
+        help="the machines that an FMU has libraries for, such as linux64,win64; default: this one",
+    )  # fmt: skip
 
 
 def version(text: str) -> str:
@@ -89,18 +78,60 @@ def version(text: str) -> str:
     return text
 
 
-def check_c_options(options: argparse.Namespace) -> None:
-    """Raise Usage for options of C that do not belong to the others."""
-    for name, given in (("--only", options.only), ("--cmake", options.cmake)):
-        if given and options.target != "c":
-            raise Usage(f"{name} needs --target c")
+def chosen(text: str, known: Sequence[str], what: str) -> list[str]:
+    """Return the names in a list with commas.  Raises ArgumentTypeError for one that is not known."""
+    names = [name.strip() for name in text.split(",")]
+    for name in names:
+        if name not in known:
+            raise argparse.ArgumentTypeError(f"{name!r} is no {what}; choose from {', '.join(known)}")
+    return names
+
+
+def methods(text: str) -> tuple[str, ...]:
+    """Return the names in a list with commas, in the order of METHODS.  Raises ArgumentTypeError."""
+    names = chosen(text, METHODS, "method")
+    return tuple([name for name in METHODS if name in names])
+
+
+def platforms(text: str) -> tuple[Platform, ...]:
+    """Return the platforms in a list of names with commas.  Raises ArgumentTypeError."""
+    from lagc.simulation.backends.cross import PLATFORMS
+
+    known = {name: p for p in PLATFORMS for name in (p.old_name, p.name)}
+    return tuple({known[name]: None for name in chosen(text, [*known], "platform")})
+
+
+def check(options: argparse.Namespace) -> None:
+    """Raise Usage for options that do not belong together, and for an output that is no folder."""
+    is_c, is_fmu = options.target == "c", options.target in FMUS
+    integrating = {"--events": options.events, "--verified": options.verified}
+    of_c = {
+        "--real": options.real != "double",
+        "--only": options.only,
+        "--cmake": options.cmake,
+        **integrating,
+    }
+    # The first message whose condition holds.
+    found = [f"{name} needs --target c" for name, given in of_c.items() if given and not is_c]
+    if (options.platforms or options.no_binaries) and not is_fmu:
+        found.append("--platforms and --no-binaries need --target fmu3 or fmu2")
+    if options.derivatives and is_fmu:
+        found.append("an FMU has directional derivatives: leave --derivatives out")
     if options.version and not options.cmake:
-        raise Usage("--version needs --cmake")
-    for name, given in (("--events", options.events), ("--verified", options.verified)):
-        if given and options.target != "c":
-            raise Usage(f"{name} needs --target c")
-        if given and options.only:
-            raise Usage(f"--only leaves out what integrates, which {name} is for: give one of them")
+        found.append("--version needs --cmake")
+    if options.only:
+        found += [f"--only leaves out what integrates, which {name} is for: give one of them"
+                  for name, given in integrating.items() if given]  # fmt: skip
+    if options.platforms and not is_installed("ziglang"):
+        found.append("--platforms needs ziglang: pip install ziglang")
+    if not options.output:
+        found.append("-o needs the name of a folder")
+    elif options.output.endswith(".fmu"):
+        found.append(f"-o names the folder, not the file: `{options.output}`")
+    elif file := no_folder(options.output):
+        found.append(f"`{file}` is no folder: -o needs the name of a folder")
+    if found:
+        raise Usage(found[0])
 
 
 def check_only(program: Program, names: Sequence[str]) -> None:
@@ -113,28 +144,6 @@ def check_only(program: Program, names: Sequence[str]) -> None:
             raise Usage(
                 f"--only: `{name}` is no function that evaluates this model; choose from {', '.join(known)}"
             )
-
-
-def methods(text: str) -> tuple[str, ...]:
-    """Return the names in a list with commas, in the order of METHODS.  Raises ArgumentTypeError."""
-    names = [name.strip() for name in text.split(",")]
-    for name in names:
-        if name not in METHODS:
-            known = ", ".join(METHODS)
-            raise argparse.ArgumentTypeError(f"{name!r} is no method; choose from {known}")
-    return tuple([name for name in METHODS if name in names])
-
-
-def platforms(text: str) -> tuple[Platform, ...]:
-    """Return the platforms in a list of names with commas.  Raises ArgumentTypeError."""
-    from lagc.simulation.backends.cross import PLATFORMS, named
-
-    found = {name: named(name.strip()) for name in text.split(",")}
-    for name, platform in found.items():
-        if platform is None:
-            known = ", ".join(p.old_name for p in PLATFORMS)
-            raise argparse.ArgumentTypeError(f"{name!r} is no platform; choose from {known}")
-    return tuple([platform for platform in found.values() if platform is not None])
 
 
 def generated(options: argparse.Namespace, compilation: Compilation) -> tuple[Interface, dict[str, bytes]]:
@@ -152,27 +161,13 @@ def generated(options: argparse.Namespace, compilation: Compilation) -> tuple[In
             return fmu(compilation, FMUS[options.target], options.method, places)
         except CannotCompile as error:
             raise Usage(f"{error}; --no-binaries writes an FMU of sources alone") from None
-    program = pipeline.delivered(compilation, options.derivatives, options.method, options.events,
-                                 verified=options.verified)  # fmt: skip
+    contents = pipeline.Contents(options.method, options.derivatives, False, options.events, options.verified)
+    program = pipeline.delivered(compilation, contents)
     check_only(program, options.only)
     texts = stages.render(program, options.target, real=options.real, only=options.only)
     if options.cmake:
         texts |= package(prefix(program.interface.model), options.version or "1.0.0", options.real)
     return program.interface, {name: text.encode() for name, text in texts.items()}
-
-
-def check(options: argparse.Namespace) -> None:
-    """Raise Usage for options that do not belong together."""
-    if options.platforms:
-        from lagc.host.packages import is_installed
-
-        if not is_installed("ziglang"):
-            raise Usage("--platforms needs ziglang: pip install ziglang")
-    is_fmu = options.target in FMUS
-    if (options.platforms or options.no_binaries) and not is_fmu:
-        raise Usage("--platforms and --no-binaries need --target fmu3 or fmu2")
-    if options.derivatives and is_fmu:
-        raise Usage("an FMU has directional derivatives: leave --derivatives out")
 
 
 def run(options: argparse.Namespace) -> int:
@@ -182,15 +177,6 @@ def run(options: argparse.Namespace) -> int:
     from lagc.simulation.request import warnings_of
 
     check(options)
-    if options.real != "double" and options.target != "c":
-        raise Usage("--real needs --target c")
-    check_c_options(options)
-    if not options.output:
-        raise Usage("-o needs the name of a folder")
-    if options.output.endswith(".fmu"):
-        raise Usage(f"-o names the folder, not the file: `{options.output}`")
-    if file := no_folder(options.output):
-        raise Usage(f"`{file}` is no folder: -o needs the name of a folder")
     # Nothing is written before all code exists and no file that the model reads would be replaced.
     compilation = pipeline.Compilation(model_library.read(options.file), choice_of(options))
     interface, files = generated(options, compilation)

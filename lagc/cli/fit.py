@@ -19,6 +19,7 @@ from lagc.cli.options import (
     add_run_options,
     add_start_option,
     choice_of,
+    pairs,
     quantities,
     quantity,
     run_numbers,
@@ -74,7 +75,7 @@ def run(options: argparse.Namespace) -> int:
     confidence = quantity(options.confidence, "", "--confidence") or 0.0
     if not 0.0 < confidence < 1.0:
         raise Usage(f"`--confidence {options.confidence}` is not between 0 and 1")
-    choice, columns = choice_of(options), pairs_of(options.pairs)
+    choice, columns = choice_of(options), pairs(options.pairs, "quantity=column, as in 'theta=angle[deg]'")
     compilation = Compilation(model_library.read(options.file), choice)
     model = CompiledModel(compilation, options.backend)
     spare(compilation, options.plot)
@@ -97,19 +98,6 @@ def run(options: argparse.Namespace) -> int:
     if not written:
         return UNWRITTEN
     return DONE if found.converged and not found.unseen else FAILED
-
-
-def pairs_of(given: list[str]) -> dict[str, str]:
-    """Return the columns of quantities.  Raises Usage."""
-    found: dict[str, str] = {}
-    for word in given:
-        name, equals, column = word.partition("=")
-        if not (equals and name.strip() and column.strip()):
-            raise Usage(f"`{word}` is not of the form quantity=column, as in 'theta=angle[deg]'")
-        if name.strip() in found:
-            raise Usage(f"`{name.strip()}` is given twice")
-        found[name.strip()] = column.strip()
-    return found
 
 
 def _draw(found: Fit, heading: str, options: argparse.Namespace) -> bool:

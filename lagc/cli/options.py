@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Container, Iterable
 from math import inf
 from typing import TYPE_CHECKING, Any
 
@@ -230,6 +230,20 @@ def quantity(word: str | None, unit: str, option: str) -> float | None:
         return to_si(value, given, unit)
     except UnknownUnit as error:
         raise Usage(f"`{option} {word}`: {error.reason}") from None
+
+
+def pairs(words: Iterable[str], form: str, others: Container[str] = ()) -> dict[str, str]:
+    """Return the texts of `name=text` by their names, which are not among `others`.  Raises Usage, which
+    tells the `form`."""
+    found: dict[str, str] = {}
+    for word in words:
+        name, _, text = (part.strip() for part in word.partition("="))
+        if not (name and text):
+            raise Usage(f"`{word}` is not of the form {form}")
+        if name in found or name in others:
+            raise Usage(f"`{name}` is given twice")
+        found[name] = text
+    return found
 
 
 def split(names: str) -> list[str]:

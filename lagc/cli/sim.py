@@ -192,13 +192,13 @@ def part_outputs(options: argparse.Namespace) -> None:
     """Set `output`, the file, and `expressions`: words with a sign of an operation or a bracket, and without
     an ending of a file.  Raises Usage for two files."""
     from lagc.host.atomic_write import is_straight
-    from lagc.simulation.formats import WRITERS
+    from lagc.simulation.formats import NEEDS
 
     options.expressions = [
         word
         for word in options.outputs_given
         if re.search(r"[()\[\]{}^*+<>=,]", word)
-        and not word.lower().endswith(tuple(WRITERS))
+        and not word.lower().endswith(tuple(NEEDS))
         and not is_straight(word)
     ]
     paths = [word for word in options.outputs_given if word not in options.expressions]

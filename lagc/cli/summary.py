@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi
+from math import floor, isfinite, log10, pi
 
 from lagc.base.text import WIDTH, broken, entry
 from lagc.simulation.solution import Solution
@@ -75,9 +75,13 @@ def _events(run: Solution, verbose: bool) -> list[str]:
 
 
 def value_text(value: float, unit: str, error: float | None = None) -> str:
-    """Return a value with its unit and error, also in degrees for an angle."""
+    """Return a value with its unit and error, also in degrees for an angle: nine digits, or all up to the
+    first one of the error."""
     value += 0.0  # avoids negative zero
-    text = f"{value:.9g}" + (f" +- {error:.0e}" if error else "") + (f" {unit}" if unit else "")
+    digits = 9
+    if error and value and isfinite(error) and isfinite(value):
+        digits = min(17, max(9, floor(log10(abs(value))) - floor(log10(error)) + 1))
+    text = f"{value:.{digits}g}" + (f" +- {error:.0e}" if error else "") + (f" {unit}" if unit else "")
     if unit in ("rad", "rad/s"):
         text += f"  ({value * 180.0 / pi:.6g} {unit.replace('rad', 'deg')})"
     return text

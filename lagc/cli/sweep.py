@@ -25,6 +25,7 @@ from lagc.cli.options import (
     add_run_options,
     add_start_option,
     choice_of,
+    pairs,
     quantities,
     run_numbers,
 )
@@ -102,15 +103,15 @@ def run(options: argparse.Namespace) -> int:
     from lagc.compiler.pipeline import Compilation
     from lagc.host import model_library
     from lagc.simulation.backends.compile import CannotCompile
-    from lagc.simulation.formats import CannotSave
+    from lagc.simulation.formats import CannotSave, check_path
     from lagc.simulation.supervision import MOST_TIME
     from lagc.study.sweep.journal import NotKept
     from lagc.study.sweep.plan import plan_of
-    from lagc.study.sweep.table import check_path
+    from lagc.study.sweep.table import NEEDS
 
     # All words are read, and files checked, before anything is computed.
     try:
-        check_path(options.output)
+        check_path(options.output, NEEDS)
     except CannotSave as error:
         raise Usage(str(error)) from None
     check_dask(options)
@@ -146,13 +147,7 @@ def axes_of(options: argparse.Namespace) -> dict[str, Values | Distribution]:
     from lagc.study.sweep.plan import parse
 
     found = axes_in(options.table) if options.table else {}
-    for word in options.axes:
-        name, equals, text = word.partition("=")
-        name = name.strip()
-        if not (name and equals and text.strip()):
-            raise Usage(f"`{word}` is not of the form name=1,2,5 or name=0.5:1.5:100[unit]")
-        if name in found:
-            raise Usage(f"`{name}` is given twice")
+    for name, text in pairs(options.axes, "name=1,2,5 or name=0.5:1.5:100[unit]", found).items():
         found[name] = parse(name, text)
     return found
 
@@ -172,8 +167,8 @@ def workers_of(options: argparse.Namespace) -> Iterator[Any]:
     """Yield the executor of a command: a number of processes, or a client of Dask.  Raises Usage."""
     if options.dask is None:
         workers = _whole(options.workers, "--workers")
-        processors = getattr(os, "sched_getaffinity", _all_processors)(0)
-        yield len(processors) if workers is None else max(workers, 1)
+        processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+        yield max(workers or 1, 1) if workers is not None else processors or 1
         return
     from importlib import import_module
 
@@ -185,10 +180,6 @@ def workers_of(options: argparse.Namespace) -> Iterator[Any]:
         yield client
     finally:
         client.close()
-
-
-def _all_processors(_: int) -> range:
-    return range(os.cpu_count() or 1)
 
 
 def _whole(word: str | None, option: str) -> int | None:

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from lagc.codegen.fmi.archive import zipped
-from lagc.codegen.fmi.description import Unit, build, fmi2, fmi3
+from lagc.codegen.fmi.description import Unit, build, description
 from lagc.codegen.fmi.wrapper import LICENCE, TEXTS, fixed, sources
 from lagc.codegen.identifiers import prefix
 from lagc.compiler.loaded import Loaded
-from lagc.compiler.pipeline import Compilation, delivered, unused
+from lagc.compiler.pipeline import Compilation, Contents, delivered, unused
 from lagc.compiler.stages import render
 from lagc.host import cache
 from lagc.simulation.backends.compile import build_library
@@ -20,7 +20,8 @@ from lagc.simulation.request import Request, bound_parameters
 if TYPE_CHECKING:
     from lagc.lowering.program import Interface, Program
 
-HIDDEN = ("-fvisibility=hidden", "-I.")  # the functions of FMI alone are seen
+# The functions of FMI alone are seen, by the names of the standard.
+FLAGS = ("-fvisibility=hidden", "-I.", "-DFMI3_OVERRIDE_FUNCTION_PREFIX")
 
 
 def fmu(
@@ -29,13 +30,14 @@ def fmu(
     """Return the interface of a model, and its FMU by file name: with libraries for `platforms`, made by zig,
     or for this machine if that is None.  Raises Refused, also if the model has no initial state, and
     CannotCompile."""
-    program = delivered(compilation, not compilation.model.contacts, methods, events=True, directional=True)
+    has_derivatives = not compilation.model.contacts
+    program = delivered(compilation, Contents(methods, has_derivatives, directional=True, events=True))
     interface = program.interface
     name = prefix(interface.model)
     texts = render(program, "c")
     made = described(compilation, program, texts)
     code = {**texts, **sources(made, version)}
-    files: dict[str, str | bytes] = {"modelDescription.xml": fmi3(made) if version == 3 else fmi2(made)}
+    files: dict[str, str | bytes] = {"modelDescription.xml": description(made, version)}
     files |= {f"sources/{file}": text for file, text in code.items()}
     if version == 3:
         files["sources/buildDescription.xml"] = build(interface)
@@ -43,9 +45,9 @@ def fmu(
     if platforms is None:
         own = this_machine()
         if own is not None:
-            files[_place(own, version, name)] = build_library(code, HIDDEN)
+            files[_place(own, version, name)] = build_library(code, FLAGS)
     for platform in platforms or ():
-        files[_place(platform, version, name)] = cross_library(code, HIDDEN, platform)
+        files[_place(platform, version, name)] = cross_library(code, FLAGS, platform)
     return interface, {f"{name}.fmu": zipped(files)}
 
 

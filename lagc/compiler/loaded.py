@@ -241,7 +241,8 @@ class Loaded:
             return placed(self.compilation.equations, error)
 
     def _preferred_backend(self) -> str:
-        """For `auto`: C if the compiled library is in the cache, NumPy otherwise."""
+        """Return the backend that `auto` begins with: C if the compiled library is in the cache, else
+        NumPy."""
         if self.asked != "auto":
             return self.asked
         from lagc.simulation.backends.compile import cached_library

@@ -9,7 +9,7 @@ from collections.abc import Callable, Container, Mapping, Sequence
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from lagc.base.records import RLock, once, replace
+from lagc.base.records import RLock, dataclass, once, replace
 from lagc.compiler.artifact import (
     Artifact,
     Head,
@@ -248,29 +248,41 @@ def program(
     source: Source, choice: Choice, roots: tuple[str, ...] = (), differentiate: bool = False
 ) -> Program:
     """Return the program for generated code; the given values are its defaults."""
-    return delivered(Compilation(source, choice, roots), differentiate)
+    return delivered(Compilation(source, choice, roots), Contents(derivatives=differentiate))
 
 
-def delivered(
-    compilation: Compilation, differentiate: bool, methods: Sequence[str] = EXPLICIT, events: bool = False,
-    directional: bool = False, verified: bool = False,
-) -> Program:  # fmt: skip
-    """Return the program of a compilation for generated code; the given values are its defaults. It has these
-    methods of integration, with `events` functions for integrators of the caller, with `verified` the
-    run that returns its error. `directional`: its derivatives are those along directions."""
+@dataclass(frozen=True)
+class Contents:
+    """Parts of generated code: methods of integration, derivatives (`directional`: those along directions),
+    `events` for integrators of the caller, and the run that returns its error, `verified`."""
+
+    methods: Sequence[str] = EXPLICIT
+    derivatives: bool = False
+    directional: bool = False
+    events: bool = False
+    verified: bool = False
+
+
+EXPLICIT_METHODS = Contents()
+
+
+def delivered(compilation: Compilation, contents: Contents = EXPLICIT_METHODS) -> Program:
+    """Return the program of a compilation for generated code; the given values are its defaults."""
     from lagc.simulation.request import bound_parameters
 
+    methods = contents.methods
     for method in methods:
         if method not in EXPLICIT:
             refuse_contacts(compilation.model, method)
-    if differentiate:
+    if contents.derivatives:
         refuse_contacts(compilation.model, "derivatives")
     # Methods need more than the rates: stiff ones the Jacobian, series the Taylor recurrences of each
     # operation.
     stiff, expand = (not set(kind).isdisjoint(methods) for kind in (IMPLICIT, SERIES))
     found = optimize(
-        compilation.equations, False, differentiate, stiff=stiff, expand=expand, directional=directional
-    )
+        compilation.equations, False, contents.derivatives, stiff=stiff, expand=expand,
+        directional=contents.directional,
+    )  # fmt: skip
     interface = found.interface
     values = bound_parameters(
         interface, compilation.choice.parameters, unused(compilation.model, interface), demanding=False
@@ -279,21 +291,21 @@ def delivered(
     fields = [replace(f, value=v) for f, v in zip((*interface.parameters, *interface.inputs), values)]
     n = len(interface.parameters)
     bound = replace(interface, parameters=tuple(fields[:n]), inputs=tuple(fields[n:]), methods=tuple(methods),
-                    events=events, verified=verified)  # fmt: skip
+                    events=contents.events, verified=contents.verified)  # fmt: skip
     return replace(found, interface=bound)
 
 
 def with_all_methods(compilation: Compilation) -> Program:
     """Return the program of a compilation with all methods that its equations admit."""
     if compilation.model.contacts:
-        return delivered(compilation, False)
+        return delivered(compilation)
     # An operation without a recurrence (LAG0591) excludes Taylor series alone; other reasons are reported.
     try:
-        return delivered(compilation, False, METHODS)
+        return delivered(compilation, Contents(METHODS))
     except Refused as refused:
         if any(fault.code != "LAG0591" for fault in refused.faults):
             raise
-        return delivered(compilation, False, [m for m in METHODS if m not in SERIES])
+        return delivered(compilation, Contents([m for m in METHODS if m not in SERIES]))
 
 
 def unused(model: Model, interface: Interface) -> tuple[Field, ...]:

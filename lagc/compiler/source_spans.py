@@ -81,7 +81,7 @@ def _begun(equations: EquationsOfMotion) -> list[Symbol]:
 
 
 def _declaration_of(equations: EquationsOfMotion, state: Symbol) -> Span:
-    """Where the coordinate or speed is declared that a state belongs to."""
+    """Return the place where the coordinate or speed of a state is declared."""
     things = (*equations.model.coordinates, *equations.model.speeds)
     return next(thing.span for thing in things if thing.name == state.owner)
 
@@ -119,6 +119,7 @@ def _suspects(
         for k, (residual, span) in enumerate(equations.initial_conditions):
             if ("initial", str(k)) in found.anchors:
                 yield span, [residual]
+    # Derived expressions come last: a fault in the text explains those that follow from it.
     if code != "LAG0613":
         return
     spans = {thing.name: thing.span for thing in (*equations.model.bodies, *equations.model.actions)}

@@ -156,15 +156,19 @@ class Document:
         return completions(self.source, self.names, offset)
 
     def renamed(self, use: Use, name: str) -> list[Edit]:
-        """Return the edits that rename a declaration in this file. Raises Refused if the text has errors, or
-        if it would have some or name something else."""
+        """Return the edits that rename a declaration in this file. Raises Refused if it is in another one, if
+        the text has errors, or if it would have some or name something else."""
+        place = use.target.place
+        if place.source is not self.source:
+            message = f"`{use.target.name}` is declared in `{place.source.name}`"
+            raise Refused([Fault("LAG0202", message, use.span)])
         spans = self.names.references(use.target)
         edits = [Edit(span.start, span.end, name) for span in spans]
         new = self.with_edits(edits)
         other = new.names.at(spans[0].start)
         same = other is not None and len(new.names.references(other.target)) == len(spans)
         errors = errors_of(self.faults) or errors_of(new.faults)
-        if not errors and (not same or use.target.place.source is not self.source):
+        if not errors and not same:
             errors = [Fault("LAG0202", f"`{use.target.name}` cannot be called `{name}` here", use.span)]
         if errors:
             raise Refused(errors)

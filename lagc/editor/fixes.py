@@ -6,7 +6,7 @@ A fix is offered only after it was tried: the fault is gone, and there are not m
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import islice
 
 from lagc.base.records import dataclass
@@ -26,15 +26,15 @@ class Fix:
     edits: tuple[Edit, ...]
 
 
-def fix(document: Document, fault: Fault, faults_of: Callable[[Document], list[Fault]]) -> Fix | None:
-    """Return the first edit that removes a fault; `faults_of` finds the faults of a text."""
+def fix(document: Document, fault: Fault) -> Fix | None:
+    """Return the first edit that removes a fault of a text."""
     if fault.span is None or fault.span.source.name != document.source.name:
         return None
-    before = faults_of(document)
+    before = document.faults
     candidates = _candidates(document.source.text, fault, fault.span.start, fault.span.end)
     for edits in islice(dict.fromkeys(candidates), MOST):
         changed = document.with_edits(edits)
-        after = faults_of(changed)
+        after = changed.faults
         fewer = changed.settled and _count(after, fault) < _count(before, fault)
         if fewer and len(errors_of(after)) <= len(errors_of(before)) - (fault.severity == "error"):
             return Fix(_title(document, edits), edits)

@@ -161,7 +161,7 @@ class Index:
             if path[0] in names.variables:
                 return None
             found, names = self.member(names, path[0]), names.parent
-        if found is None or found.place.source is not self.source:
+        if found is None:
             return self._imported(path)
         for name in path[1:]:
             found = self.member(self.inside(found), name)

@@ -299,7 +299,7 @@ def quick_fixes(ls: Server, params: lsp.CodeActionParams) -> list[lsp.CodeAction
     for diagnostic in params.context.diagnostics:
         said = diagnostic.code, diagnostic.message.partition("\nhelp: ")[0]
         faults = [fault for fault in document.faults if (fault.code, fault.message) == said]
-        found = fix(document, faults[0], lambda text: text.faults) if faults else None
+        found = fix(document, faults[0]) if faults else None
         if found is not None:
             edit = lsp.WorkspaceEdit({uri: ls.edits(document, found.edits)})
             kind = lsp.CodeActionKind.QuickFix

@@ -43,6 +43,8 @@ class Files:
         if straight is not None:
             self._drafts.append(_Draft(straight))
             return straight
+        # A link stays a link: its target is replaced. All that can be refused is refused before anything is
+        # written.
         target = os.path.realpath(path) if os.path.islink(path) and not fresh else path
         old = _status(target)
         if old is not None and fresh:

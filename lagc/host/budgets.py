@@ -204,8 +204,8 @@ class Limits:
         self._set()
 
     def go_on(self) -> bool:
-        """After Exhausted: whether only the limit of the stage was reached, so that work continues without
-        its result."""
+        """Return whether Exhausted came from the limit of the stage alone, so that work continues without its
+        result."""
         # The same text only if the limit of the stage itself was the earlier one.
         if self.reached != self.own:
             return False

@@ -111,6 +111,20 @@ def prepare_newton(s: State, o: Options, h: Real, w: Work) -> None:
             w.newton.tolerance = NEWTON_TOLERANCE
 
 
+def finish_attempt(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
+    """Finish an attempt whose error is known, without its round-off."""
+    # Is it round-off that rejects the step? One more evaluation tells. It is made when an attempt was
+    # rejected already, or round-off decided shortly before: not in each step.
+    a.roundoff_estimated = a.error > 1.0 and (
+        a.rejected > 0 or s.roundoff_estimated or s.roundoff_memory > 0.0
+    )
+    if a.roundoff_estimated:
+        a.error = error_without_roundoff(p, s, a.t_new, a.h, o, a.error, w)
+    if a.error <= 1.0 and not needs_end_rate(o.method):
+        return finish_step(p, s, a.t_new, o, a.leaves_end_rate, w)
+    return OK
+
+
 def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     """Compute stages, error and end of an attempt.  It is acceptable if a.error <= 1."""
     # An error of 0 counts as accepted: fixed steps have no estimate.
@@ -131,16 +145,7 @@ def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
         if failed(status) or o.step > 0.0:
             return status
     a.error = method_error(o.method, a.h, s, w)
-    # Is it round-off that rejects the step? One more evaluation tells. It is made when an attempt was
-    # rejected already, or round-off decided shortly before: not in each step.
-    a.roundoff_estimated = a.error > 1.0 and (
-        a.rejected > 0 or s.roundoff_estimated or s.roundoff_memory > 0.0
-    )
-    if a.roundoff_estimated:
-        a.error = error_without_roundoff(p, s, a.t_new, a.h, o, a.error, w)
-    if a.error <= 1.0 and not needs_end_rate(o.method):
-        return finish_step(p, s, a.t_new, o, False, w)
-    return status
+    return finish_attempt(p, s, o, a, w)
 
 
 def end_step_at_event(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
@@ -369,23 +374,63 @@ def plan_attempt(s: State, t1: Real, goal: Real, o: Options, a: Trial) -> None:
         split_step_to(s, goal, t1, o, a)
 
 
+def plans_attempt(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w: Work) -> bool:
+    """Plan the next attempt towards `goal`; return whether there is one.  Else a.status is that of the
+    call."""
+    # The limit counts attempts. The size that was reached is kept for the next call.
+    if o.max_steps > 0 and s.steps + s.rejected - s.steps_before_call >= o.max_steps:
+        if a.rejected > 0:
+            s.h = a.size
+        a.status = MAX_STEPS
+        return False
+    plan_attempt(s, t1, goal, o, a)
+    update_longest_step(s, a, w)
+    if fixed_step_underflows(s, t1, a) if o.step > 0.0 else step_underflows(s, t1, a):
+        a.status = end_by_underflow(p, s, a.cause, a, w)
+        return False
+    return True
+
+
+def hides_event(p: Params, s: State, status: Status, o: Options, a: Trial, w: Work) -> bool:
+    """Return whether something narrow may lie between the stages of an acceptable attempt: the step goes on
+    with the part that excludes it."""
+    if failed(status) or not a.error <= 1.0 or o.step > 0.0 or a.reductions == MOST_REDUCTIONS:
+        return False
+    hidden = find_hidden_event(p, s, o.method, a, o.rtol, w)
+    if hidden < 1.0:
+        a.size *= hidden if hidden > LEAST_REDUCTION else LEAST_REDUCTION
+        s.rejected += 1
+        a.reductions += 1
+        return True
+    return False
+
+
+def accepts_attempt(p: Params, s: State, t1: Real, status: Status, o: Options, a: Trial, w: Work) -> bool:
+    """Return whether an attempt is accepted; else reduce the size of the next one."""
+    # A failed evaluation may lie beyond what the motion reaches: a quarter of the step is tried. Its status
+    # is told if the size underflows; a Newton method that did not converge is none of the model.
+    if failed(status):
+        a.cause = status if status != NOT_CONVERGED else OK
+        a.size *= 0.25
+    elif a.error <= 1.0:
+        a.is_accepted = True
+        return True
+    else:
+        a.cause = OK
+        reduce_step(p, s, t1, o, a, w)
+    w.error.rate_roundoff[:] = s.rate_roundoff  # that of a longer step does not count
+    a.rejected += 1
+    s.rejected += 1
+    return False
+
+
 def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w: Work) -> Status:
     """Attempt steps towards `goal` until one is accepted, a.is_accepted, or the call ends."""
-    cause = OK
-    if NGUARD > 0:
-        reductions = 0
     # Each turn is one attempt: plan it, compute it, look for what forbids it (a turning slip, a hidden event,
     # a crossing), accept or reduce. Guards come first: crossings are sought on a true dense output.
     while True:
-        # The limit counts attempts. The size that was reached is kept for the next call.
-        if o.max_steps > 0 and s.steps + s.rejected - s.steps_before_call >= o.max_steps:
-            if a.rejected > 0:
-                s.h = a.size
-            return MAX_STEPS
-        plan_attempt(s, t1, goal, o, a)
-        update_longest_step(s, a, w)
-        if fixed_step_underflows(s, t1, a) if o.step > 0.0 else step_underflows(s, t1, a):
-            return end_by_underflow(p, s, cause, a, w)
+        if not plans_attempt(p, s, t1, goal, o, a, w):
+            return a.status
         status = try_step(p, s, o, a, w)
         # A slip in space that turns within the step is not resolved by it.
         if NSPACE > 0:
@@ -394,41 +439,23 @@ def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w
                 a.rejected += 1
                 s.rejected += 1
                 continue
-        # Something narrow may lie between the stages: the step goes on with the part that excludes it.
         if NGUARD > 0:
-            if not failed(status) and a.error <= 1.0 and o.step == 0.0 and reductions < MOST_REDUCTIONS:
-                hidden = find_hidden_event(p, s, o.method, a, o.rtol, w)
-                if hidden < 1.0:
-                    a.size *= hidden if hidden > LEAST_REDUCTION else LEAST_REDUCTION
-                    s.rejected += 1
-                    reductions += 1
-                    continue
+            if hides_event(p, s, status, o, a, w):
+                continue
         # A step that contains a crossing is repeated to end there, and may then fail or be rejected.
         if NFREE > 0:
             if not failed(status) and a.error <= 1.0:
                 status = end_step_at_event(p, s, o, a, w)
                 if status == CHATTERING or a.h == 0.0:
                     return report_culprit(s, status, w)
-        # A failed evaluation may lie beyond what the motion reaches: a quarter of the step is tried. Its
-        # status is told if the size underflows; a Newton method that did not converge is none of the model.
-        if failed(status):
-            if o.step > 0.0:
-                return report_culprit(s, status, w)
-            cause = status if status != NOT_CONVERGED else OK
-            a.size *= 0.25
-        elif a.error <= 1.0:
-            if NMODE > 0:
-                if splits_event_step(s, t1, o, a):
-                    s.rejected += 1
-                    continue
-            a.is_accepted = True
+        if failed(status) and o.step > 0.0:
+            return report_culprit(s, status, w)
+        if NMODE > 0:
+            if not failed(status) and a.error <= 1.0 and splits_event_step(s, t1, o, a):
+                s.rejected += 1
+                continue
+        if accepts_attempt(p, s, t1, status, o, a, w):
             return OK
-        else:
-            cause = OK
-            reduce_step(p, s, t1, o, a, w)
-        w.error.rate_roundoff[:] = s.rate_roundoff  # that of a longer step does not count
-        a.rejected += 1
-        s.rejected += 1
 
 
 def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:

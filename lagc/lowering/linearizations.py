@@ -35,6 +35,8 @@ def implicit(places: Places) -> list[Function]:
     parts = (("qdot", equations.qdot), ("e", [*forces, *rates]))
     residual = made(places, "residual", inputs, parts, "residual of the equations")
     unknowns = [*equations.q, *equations.v, *equations.lam]
+    # Where entries of the Jacobian would take more operations than all columns, one column is a function of
+    # its direction; otherwise entries are printed.
     negative = [graph.scale(-1.0, rate) for rate in equations.qdot]
     if entangled([*equations.qdot, *forces, *rates], unknowns, MOST):
         seeds = {x: graph.symbol("direction", str(k)) for k, x in enumerate([*unknowns, *equations.a])}

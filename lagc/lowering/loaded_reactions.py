@@ -46,6 +46,7 @@ def loads_of(equations: EquationsOfMotion) -> Loads | None:
     rows = tuple([k for k, symbol in enumerate(lam) if symbol in used])
     pushed = tuple([k for k, symbol in enumerate(pushes) if symbol in used])
     chosen = [*(lam[k] for k in rows), *(pushes[k] for k in pushed)]
+    # The system without these loads is solved first, then the law of the reactions.
     none = dict.fromkeys(chosen, graph.zero)
     without = substitute(graph, equations.given_forces, none)
     weights = zip(equations.loads, substitute(graph, list(equations.loads.values()), none))
@@ -56,10 +57,12 @@ def loads_of(equations: EquationsOfMotion) -> Loads | None:
         power=substitute(graph, [equations.power], dict.fromkeys(pushes, graph.zero))[0],
     )
     held = tuple([int(equations.rows[k].law is Law.SERVO) for k in rows])
+    # An actuator that holds a row acts by its multiplier along the gradient of the row.
     given = list(equations.given_forces)
     for k, servo in zip(rows, held):
         for j, slope in equations.rows[k].jacobian.items() if servo else ():
             given[j] += lam[k] * slope
+    # Linear loads are the sum of their slopes times the reactions: no difference of large numbers.
     found = [gradient(graph, {force: graph.one}, chosen) for force in given]
     slopes = [own.get(symbol, graph.zero) for symbol in chosen for own in found]
     linear = not depends(slopes, chosen)

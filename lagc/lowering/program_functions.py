@@ -382,6 +382,7 @@ def made(
                 block.store(array, k, next(following), comment)
         return [block.function(name, inputs, lengths, description)]
 
+    # Of a sparse output the function stores the entries, and sets all others to zero first.
     sparse = {array: part for array, part in outputs if isinstance(part, Sparse)}
     dense = {array: part for array, part in outputs if not isinstance(part, Sparse)}
     lengths = tuple([(a, sparse[a].length if a in sparse else len(dense[a])) for a, _ in outputs])

@@ -12,6 +12,7 @@ from lagc.study.effects import AS_LONG, Change, Choice, Effects, Elsewhere, join
 
 def text(found: Effects, heading: str) -> str:
     """Return the report for a terminal."""
+    # The head says what is compared, the tables what each effect does, the advice what to leave out.
     count = len(found.effects)
     compared = ", ".join(f"{name} ({_scale(found, name)})" for name in found.scales)
     counted = f"{count} {'effect' if count == 1 else 'effects'}, {found.operations} operations"

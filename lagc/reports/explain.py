@@ -333,7 +333,7 @@ def quantity(value: float, unit: str) -> str:
 
 
 def _speed_lines(facts: Facts) -> list[str]:
-    """Only where they are more than the rates of the coordinates."""
+    """Return the speeds, unless they are the rates of the coordinates."""
     speeds = facts["speeds"]
     rates = {derived(c["name"]) for c in facts["coordinates"]}
     if all(s["name"] in rates for s in speeds):
@@ -381,6 +381,8 @@ def _count_text(facts: Facts) -> list[str]:
     n, p = count["speeds"], count["rows"]
     lines = [f"n + p = {n} + {p}: as many unknowns (accelerations, multipliers) as equations"]
     seems = facts["seems"]
+    # Configurations and velocities have the same freedom unless constraints on velocities are not
+    # integrable.
     freedom = str(facts["degrees_of_freedom"])
     if facts["positional_freedom"] != facts["degrees_of_freedom"]:
         freedom += f" of the velocities, {facts['positional_freedom']} of the positions"

@@ -78,6 +78,7 @@ def markdown(found: Hard, made: str) -> str:
     lines = [fill(f"{headline(found)}. Measured by `lagc hard --markdown` on {made}.", WIDTH), ""]
     lines.append(f"| case | figure | required | {' | '.join(columns)} | method |")
     lines.append(f"| {' | '.join('---' for _ in range(len(columns) + 4))} |")
+    # A group of cases is one row with its worst share, every other case a row for each figure.
     groups: dict[str, list[Row]] = {}
     for row in found.rows:
         groups.setdefault(row.case.group or row.case.title, []).append(row)

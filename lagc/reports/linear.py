@@ -48,6 +48,7 @@ def text(linear: Linear, verbose: bool = False, times: int = 1) -> str:
     interface = linear.system.interface
     names, units = interface.state_names, interface.state_units
     most = MOST // times if large(linear) else MOST
+    # States, then the matrices where they are small, then the spectrum.
     n = len(names) if verbose or len(names) <= MOST else most
     width = max((len(name) for name in names[:n]), default=0)
     lines = [f"  {names[k]:{width}} = {_value(linear.x[k], units[k])}" for k in range(n)]
@@ -88,7 +89,7 @@ def _spectrum(linear: Linear, names: Sequence[str], most: int, verbose: bool) ->
 
 
 def _listed(names: Sequence[str], verbose: bool) -> str:
-    """As many as there is room for; what is left is counted."""
+    """Return as many names as there is room for, and how many more there are."""
     if verbose or len(names) <= MOST:
         return ", ".join(names)
     return ", ".join(names[:MOST]) + f" and {len(names) - MOST} more"

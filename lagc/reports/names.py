@@ -34,6 +34,7 @@ def names(equations: EquationsOfMotion) -> Names:
     """How each symbol is shown, `field.g` as `g` where no other name ends so, and each table."""
     model = equations.model
     given = [*(p.symbol for p in model.parameters), *model.undetermined]
+    # Short names first: words for multipliers, forces, time and tables must not take one of them.
     plain = [*given, *(x for x in equations.q if not x.record.component)]
     short = _shortener([x.record.name for x in (*plain, *equations.v) if x.record.order == 0])
     found: Names = {}

@@ -131,9 +131,9 @@ class _Writer:
         for coupling in self.robot.couplings:
             follower = joints[coupling.follower]
             name = self.names.fresh(coupling.name)
-            yield f"constraint {name}: {self._coordinate(follower)} = {self._followed(coupling, joints)};"
+            yield f"constraint {name}: {self._coordinate(follower)} = {self._polynomial(coupling, joints)};"
 
-    def _followed(self, coupling: Coupling, joints: dict[str, Joint]) -> str:
+    def _polynomial(self, coupling: Coupling, joints: dict[str, Joint]) -> str:
         """Return the polynomial in the coordinate of the leader, with the unit of the follower."""
         own = UNITS[joints[coupling.follower].kind][1]
         first, *others = [self.rounding.number(c) for c in coupling.coefficients]

@@ -258,7 +258,7 @@ class _Reader:
 def _named(root: Element, tag: str) -> dict[str, Element]:
     """Return elements by name.  Raises Refused if two have one name."""
     found: dict[str, Element] = {}
-    for element in root.all(tag):
+    for element in root.named(tag):
         name = element.get("name")
         if not name:
             raise element.wrong(f"a <{tag}> has a name")

@@ -27,12 +27,12 @@ class Element:
     def span(self) -> Span:
         return Span(self.source, self.start, self.end)
 
-    def all(self, tag: str) -> Iterator[Element]:
+    def named(self, tag: str) -> Iterator[Element]:
         """Return the elements of this name directly inside."""
         return (child for child in self.children if child.tag == tag)
 
     def find(self, tag: str) -> Element | None:
-        return next(self.all(tag), None)
+        return next(self.named(tag), None)
 
     def need(self, tag: str) -> Element:
         """Return the first element of this name.  Raises Refused."""
@@ -73,6 +73,7 @@ def parse(source: Source) -> Element:
     stack: list[Element] = []
     count = 0
 
+    # expat counts bytes, places in a text are counted in characters.
     def place(index: int) -> int:
         return len(data[:index].decode(errors="replace")) if not source.text.isascii() else index
 
@@ -86,6 +87,7 @@ def parse(source: Source) -> Element:
         (stack[-1].children if stack else roots).append(made)
         stack.append(made)
 
+    # Entities are declared in a document type: without it, none can be expanded.
     def refuse(*_: object) -> None:
         start = place(parser.CurrentByteIndex)
         span = Span(source, start, min(start + len("<!DOCTYPE"), len(source.text)))

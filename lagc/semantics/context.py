@@ -248,6 +248,8 @@ class Context:
             message = f"a chain of more than {DEEPEST_CHAIN} declarations depend on one another"
             remedy = "put each declaration before those that depend on it"
             raise Wrong("LAG0218", message, span, remedy)
+        # A fault is reported once, at its own place; declarations that depend on it raise Poisoned. While
+        # faults are hushed, as for a trial, the declaration stays new, so that it is reported later.
         entry.state = "running"
         self.chain.append(entry)
         try:

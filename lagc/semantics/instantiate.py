@@ -99,6 +99,8 @@ class Builder:
             self.context.attempt(self._register_one, declaration, destination)
 
     def _register_one(self, d: tree.Declaration, destination: Destination) -> None:
+        # A declaration of an effect that is not used has a name, for the message, and no entry. Loops and
+        # instances wait until all sizes are known.
         excluded = self._excluding_effect(d)
         if excluded is not None:
             for name in names_of(d):

@@ -54,6 +54,7 @@ def choose_model(
         if found.partial:
             raise Wrong("LAG0211", f"`{wanted}` is partial; it can only be extended", found.name_span)
         return found, where
+    # Without a name: the last model of the file, since it may be made of those before it.
     models = [d for d in file.declarations if isinstance(d, tree.ModelDeclaration)]
     whole = [m for m in models if not m.partial]
     if whole:
@@ -109,6 +110,7 @@ def scenes_of(
                 continue
             scenes[declaration.name] = declaration
     for declaration in model.body:
+        # Own scenes hide inherited ones of the same name.
         if isinstance(declaration, tree.Extends) and depth < DEEPEST:
             base, where = inner.find(declaration.path, declaration.path_span, "model")
             if isinstance(base, tree.ModelDeclaration):
@@ -291,6 +293,8 @@ def check_effects(context: Context, setting: Setting) -> None:
     named = list(setting.scene.uses) if setting.scene else []
     named += [n for e in context.effects.values() for n in (*e.requires, *e.excludes)]
     named += [n for n, _ in context.mentioned]
+    # Names of the text have a place; those of the command line have none, and are reported if the text does
+    # not name them too.
     written = {n.name for n in named}
     for name in named:
         if name.name not in known:

@@ -3,6 +3,7 @@
 rank         a constraint nearly depends on others, or its gradient vanishes (`losing_rank`, `kept_share`)
 kink         a constraint is not differentiable (`kink`)
 singularity  a speed becomes infinite in finite time
+slip         a slip in space has just begun
 stiffness    the fastest component is far faster than the motion, and its stability limits the step size
              (E. Hairer, G. Wanner, Solving ODEs II, 1996, IV.2)
 growth       differences of two runs grow exponentially (`tenfold_time`)
@@ -14,7 +15,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 from math import exp, inf, isfinite, log, sqrt
 
-from lagc.simulation.error_measure import scaling_groups, sizes
+from lagc.codegen.python.support.contacts import SLIPS
+from lagc.simulation.error_measure import contacts_of, scaling_groups, sizes
 from lagc.simulation.system import (
     FAILED,
     REDUNDANT,
@@ -38,6 +40,7 @@ TENFOLD = log(10.0)
 MOST_REGULAR = 1e4
 LATE = (0.2, 0.8)  # share of the second half in exponential growth: 0.5 on the average; of a jump, 0 or 1
 CHECKED = 40  # recorded states
+AT_ONCE = 1e-9  # of the time: a slip has begun just before
 ROUNDING = 1e-11  # own share of a constraint's gradient that round-off may cause
 OWN = 1e-3  # own share that the solver never treats as dependent
 
@@ -48,7 +51,22 @@ def cause(system: System, run: Trajectory, t: float, x: list[float]) -> str:
     """Return the reason found at (t, x) in words, or "" if there is none."""
     if len(x) < system.nx or not all(map(isfinite, x)):
         return ""
-    return obstacle(system, run, t, x) or _singularity(system, run, t, x) or _stiffness(system, run, t, x)
+    return (
+        obstacle(system, run, t, x)
+        or _slip_start(system, run)
+        or _singularity(system, run, t, x)
+        or _stiffness(system, run, t, x)
+    )
+
+
+def _slip_start(system: System, run: Trajectory) -> str:
+    """Name a contact whose slip in space begins at the end of the run, or return ""."""
+    for t, k, kind, *_ in reversed(contacts_of(run)[-1:]):
+        contact = system.interface.contacts[k]
+        if kind == SLIPS and contact.slips == 2 and run.t - t <= AT_ONCE * abs(run.t):
+            return (f"`{contact.name}` begins to slip there without an acceleration, and its direction turns "
+                    "ever faster; it begins smoothly with `static` a hundredth above `friction`")  # fmt: skip
+    return ""
 
 
 def obstacle(system: System, run: Trajectory, t: float, x: list[float]) -> str:
@@ -147,10 +165,8 @@ def _stiffness(system: System, run: Trajectory, t: float, x: list[float]) -> str
         return ""
     times = fastest / max(own, 1e-300)
     found = f"the motion is too stiff for this method: its fastest component is {times:.1g} times faster"
-    contacts = system.interface.contacts
-    if any(contact.slips == 2 for contact in contacts):
-        return f"{found}; a slip in space begins smoothly with `static` a hundredth above `friction`"
-    return found if contacts or system.interface.stiff else f"{found}; if that decays, take the method radau5"
+    explicit = system.interface.contacts or system.interface.stiff
+    return found if explicit else f"{found}; if that decays, take the method radau5"
 
 
 def _spectral_radius(system: System, run: Trajectory, t: float, x: list[float], rates: list[float]) -> float:

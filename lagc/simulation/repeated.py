@@ -8,15 +8,19 @@ from __future__ import annotations
 
 import ctypes
 from abc import ABC, abstractmethod
+from array import array
 from collections.abc import Callable, Mapping, Sequence
 from ctypes import byref, c_double, c_long, c_size_t, sizeof
 from math import isfinite
 from operator import itemgetter
 from typing import cast
 
+from lagc.codegen.c.lanes import METHOD
 from lagc.codegen.python.support.base import FIRST_LOOK
 from lagc.kernels import DEFAULT_METHOD
 from lagc.simulation.backends.c import CSystem
+from lagc.simulation.backends.compile import CannotCompile
+from lagc.simulation.backends.lanes import Lanes
 from lagc.simulation.error_measure import quantity_names
 from lagc.simulation.global_error.energy_balance import balance
 from lagc.simulation.global_error.verified_run import ULP, longest_step
@@ -27,6 +31,7 @@ from lagc.symbolic.leaves import derived
 
 SLICE = 20_000  # steps of a run by hand between two looks at the clock and at signals
 ZERO = c_double(0.0)
+MOST_NUMBERS = 20_000  # of a run in lanes
 MOVED = 2.0**-26  # of a coordinate: half of its digits
 
 Progress = Callable[[float], None]
@@ -57,7 +62,7 @@ class Repeated(ABC):
     estimated = float("nan")
 
     def __init__(self, system: CSystem, names: Sequence[str], times: Sequence[float]):
-        interface, self.call = system.interface, system.model.functions
+        interface, self.call, self.system = system.interface, system.model.functions, system
         self.nx, self.nq, self.nv, self.nz = interface.nx, interface.nq, interface.nv, interface.nz
         self.fields = len(interface.parameters) + len(interface.inputs)
         self.p = (c_double * max(self.fields + interface.prepared, 1))()
@@ -82,6 +87,15 @@ class Repeated(ABC):
     def run(self, values: Sequence[float], starts: Mapping[int, float], progress: Progress) -> bool:
         """Run with the array p = `values` and initial values `starts` by their place in x; return whether it
         went as asked: else `simulate` tells why not."""
+        self._begin(values, starts)
+        self.call["energies"](self.p, ZERO, self.x, self.e)
+        if not isfinite(sum(self.e)):
+            return False
+        progress(0.0)
+        return self._run(progress)
+
+    def _begin(self, values: Sequence[float], starts: Mapping[int, float]) -> None:
+        """Set p and x."""
         p, x = self.p, self.x
         p[: self.fields] = [*values]
         if self.prepared:
@@ -89,11 +103,6 @@ class Repeated(ABC):
         self.call["start"](p, x)
         for place, value in starts.items():
             x[place] = value
-        self.call["energies"](p, ZERO, x, self.e)
-        if not isfinite(sum(self.e)):
-            return False
-        progress(0.0)
-        return self._run(progress)
 
     @abstractmethod
     def _run(self, progress: Progress) -> bool: ...
@@ -132,8 +141,32 @@ class RunsByHand(Repeated):
         self.room = ctypes.create_string_buffer(self.call["state_size"]())
         self.state = model.state.from_buffer(self.room)
         self.space = model.work()
+        self.has_lanes = len(self.flat) <= MOST_NUMBERS and (request.method or DEFAULT_METHOD) == METHOD
+        self.lanes: Lanes | None = None
+        self.ready = dict[bytes, bytes]()
+
+    def ahead(self, points: Sequence[tuple[Sequence[float], Mapping[int, float]]]) -> None:
+        """Make the next runs side by side, where that is possible; `run` takes their results."""
+        if not (self.has_lanes and points):
+            return
+        try:
+            self.lanes = self.lanes or Lanes(self.system.model)
+        except CannotCompile:
+            self.has_lanes = False
+            return
+        p, x = array("d"), array("d")
+        for point in points:
+            self._begin(*point)
+            p.extend(self.p)
+            x.extend(self.x)
+        self.ready = self.lanes.record(p, x, len(points), self.options, self.grid, SLICE)
+        self.has_lanes = bool(self.ready)  # none: long runs, or no such processor
 
     def _run(self, progress: Progress) -> bool:
+        known = self.ready.pop(bytes(self.p) + bytes(self.x), None)
+        if known is not None:
+            ctypes.memmove(self.flat, known, len(known))
+            return True
         state, status = self.state, INTERRUPTED
         ctypes.memset(self.space, 0, sizeof(self.space))
         self.call["begin"](byref(state), ZERO, self.x)

@@ -286,7 +286,7 @@ def _verified(
 
 
 def settings(pilot: Shot, stop: float) -> Iterator[Setting]:
-    """All settings to try, in an order that covers the range early."""
+    """Yield all settings to try, in an order that covers the range early."""
     decades = [10.0**-k for k in range(2, 15)]
     halves = [3.1622776601683795 * d for d in decades]
     step = stop / max(pilot.steps, 1)

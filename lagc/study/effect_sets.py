@@ -45,6 +45,7 @@ def study(
     of other initial states."""
     found, began = comparison.found, perf_counter()
     try:
+        # Sets are predicted from the curves of single effects, so these come first.
         measure_alone(comparison, closure, offered, progress)
         _sets(comparison, accuracies, progress)
         for start, make in (elsewhere or {}).items():
@@ -107,7 +108,7 @@ def _verify(comparison: Comparison, start: str, make: Make) -> None:
 
 
 def _candidates(comparison: Comparison, usable: Sequence[Change]) -> Iterable[_Set]:
-    """All sets that are closed: with an effect, those that need it."""
+    """Yield the sets of effects that are closed: with an effect, those that need it."""
     found = comparison.found
     stepping = _stepping(found)
     by_name = {one.effect: one for one in usable}

@@ -54,6 +54,7 @@ def _wrap(part: tuple[str, int], level: int) -> str:
 
 
 def _write(node: Node, done: Texts) -> tuple[str, int]:
+    # Each text comes with how tightly it binds; a part that binds less than its place needs parentheses.
     op, parts = node.op, [done[a] for a in node.args]
     if op == "const":
         value: float = node.value

@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from lagc.cli.main import main
+from lagc.cli.summary import value_text
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 PENDULUM = "simple_pendulum"
@@ -41,7 +42,7 @@ def falling(tmp_path: Path) -> str:
 
 
 def test_outputs_are_among_what_is_shown_of_many(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["sim", "chain", "-p", "n=20", "--stop", "0.01"]) == 0
+    assert main(["sim", "chain", "-p", "n=10", "--stop", "0.01", "--backend", "numpy"]) == 0
     printed = capsys.readouterr().out
     assert "th[1]" in printed and " E " in printed and "more: --json or -v" in printed
 
@@ -326,3 +327,18 @@ def test_what_is_dropped_is_said(
     path.write_text(FALLING.replace("coordinate Length z", f"coordinate Angle {idle}; coordinate Length z"))
     assert sim(str(path), "-p", "m=1", "--stop", "0.1") == 0
     assert said in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (0.12345678901234567, 3e-13, "0.1234567890123 +- 3e-13"),
+        (0.12345678901234567, 3e-7, "0.123456789 +- 3e-07"),
+        (0.0, 1e-12, "0 +- 1e-12"),
+        (1.5e-14, 1e-11, "1.5e-14 +- 1e-11"),
+        (2.0 / 3.0, 1e-30, "0.66666666666666663 +- 1e-30"),
+        (2.0 / 3.0, math.inf, "0.666666667 +- inf"),
+    ],
+)
+def test_a_final_value_has_the_digits_that_its_error_leaves(value: float, error: float, text: str) -> None:
+    assert value_text(value, "", error) == text

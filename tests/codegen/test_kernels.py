@@ -19,7 +19,7 @@ import pytest
 
 import lagc.kernels
 from lagc.codegen.kernel_compiler.compiler import Compiler, Definitions, definitions
-from lagc.codegen.kernel_compiler.kernel_syntax import Function, Missing, Outside, module
+from lagc.codegen.kernel_compiler.kernel_syntax import Function, Missing, Outside, clone, module
 from lagc.codegen.kernel_compiler.library import Library, library, sources
 from lagc.codegen.kernel_compiler.specialization import FLAGS
 from lagc.codegen.kernel_compiler.type_check import Signature
@@ -376,3 +376,14 @@ def test_no_kernel_of_python_divides_by_what_may_be_zero(name: str) -> None:
                 names = {n.id for n in ast.walk(divisor) if isinstance(n, ast.Name)}
                 assert names <= constants, ast.unparse(node)
             assert not (isinstance(node, ast.Name) and node.id == "sqrt"), part.name
+
+
+def test_a_tree_is_copied_without_what_other_programs_leave_in_shared_nodes() -> None:
+    """Python has one node for `ast.Load()`; a debugger sets its parent, and so closes a circle."""
+    tree = ast.parse("a = b")
+    load = tree.body[0].value.ctx  # type: ignore[attr-defined]
+    load.parent = tree
+    try:
+        assert ast.dump(clone(tree)) == ast.dump(tree)
+    finally:
+        del load.parent

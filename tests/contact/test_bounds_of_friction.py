@@ -7,7 +7,7 @@ import math
 import pytest
 
 import lagc
-from lagc.compiler.pipeline import delivered
+from lagc.compiler.pipeline import Contents, delivered
 from lagc.diagnostics.faults import Refused
 
 SLOPE = """model M
@@ -60,7 +60,7 @@ def test_a_pin_has_no_negative_radius() -> None:
 def test_no_code_of_a_method_that_follows_no_contacts(relation: str, method: str) -> None:
     model = _model(f"constraint slope: n {relation} 0 [m] (friction = mu, slip = der(s));")
     with pytest.raises(Refused) as refused:
-        delivered(model.compile().compilation, False, [method])
+        delivered(model.compile().compilation, Contents([method]))
     assert [fault.code for fault in refused.value.faults] == ["LAG0623"]
 
 

@@ -77,7 +77,7 @@ def test_no_table_of_the_c_is_empty(reaction: str) -> None:
     text = text.replace("coordinate Angle", "coordinate Length y; coordinate Angle").replace(
         "{x, 0,", "{x, y,"
     )
-    program = pipeline.delivered(pipeline.Compilation(Source("wheel", text), pipeline.Choice()), False)
+    program = pipeline.delivered(pipeline.Compilation(Source("wheel", text), pipeline.Choice()))
     assert not any("[] = {}" in code for code in pipeline.render(program, "c").values())
 
 

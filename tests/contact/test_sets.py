@@ -57,6 +57,7 @@ def test_a_box_rests_while_some_forces_hold_it(backend: str) -> None:
     assert first == pytest.approx(4.05, abs=1e-12) and second == pytest.approx(5.95, abs=1e-12)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize(("mu", "mu_s"), [(0.3, 0.3), (0.2, 0.4)])
 def test_a_box_that_is_pushed_slips_once_at_its_limit(backend: str, mu: float, mu_s: float) -> None:

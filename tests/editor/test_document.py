@@ -11,7 +11,7 @@ import pytest
 
 from lagc.compiler.checking import check
 from lagc.compiler.stages import Choice
-from lagc.diagnostics.faults import Fault, Refused, Source
+from lagc.diagnostics.faults import Refused, Source
 from lagc.editor import document as documents
 from lagc.editor.document import Document, errors_of
 from lagc.editor.fixes import fix
@@ -113,6 +113,15 @@ def test_names_of_other_files_are_found(tmp_path: Path) -> None:
     use = document.names.at(text.index("far"))
     assert use is not None and use.target.place.source.name.endswith("lib.lag") and use.target.place.line == 2
     assert "far away" in document.about(use.target)
+    with pytest.raises(Refused, match="declared in"):
+        document.renamed(use, "near")
+
+
+def test_names_that_a_model_of_another_file_declares_are_found(tmp_path: Path) -> None:
+    (tmp_path / "lib.lag").write_text("model Base\n  coordinate Length x;\nend Base;\n")
+    text = 'import "lib.lag";\nmodel M extends Base;\n  output Length y = 2*x;\nend M;\n'
+    use = Document(str(tmp_path / "a.lag"), text, (str(tmp_path),)).names.at(text.index("x;"))
+    assert use is not None and use.target.place.source.name.endswith("lib.lag") and use.target.place.line == 2
 
 
 def rename(text: str, place: str, name: str) -> str:
@@ -151,7 +160,7 @@ from lagc.editor.document import Document
 from lagc.editor.fixes import fix
 from tests.editor.texts import PENDULUM
 document = Document("a.lag", PENDULUM.replace("sin(theta)", "sin(thet)"))
-assert fix(document, document.faults[0], lambda text: text.faults)
+assert fix(document, document.faults[0])
 assert document.hover(PENDULUM.index("l*{")) and document.completions(PENDULUM.index("l*{"))
 """
 
@@ -179,14 +188,10 @@ def test_a_look_ends_in_time(monkeypatch: pytest.MonkeyPatch) -> None:
     document = Document("a.lag", PENDULUM.replace("sin(theta)", "sin(thet)"))
     assert not document.settled and not document.faults
     document = Document("a.lag", PENDULUM.replace("cos(theta)});", "cos(theta)})"))
-    assert document.settled and fix(document, document.faults[0], faults) is None
+    assert document.settled and fix(document, document.faults[0]) is None
 
 
 # -- fixes -------------------------------------------------------------------------------------
-
-
-def faults(document: Document) -> list[Fault]:
-    return document.faults
 
 
 @pytest.mark.parametrize(
@@ -200,14 +205,14 @@ def faults(document: Document) -> list[Fault]:
 def test_a_fix_restores_the_text(right: str, wrong: str) -> None:
     assert PENDULUM.count(right) >= 1
     document = Document("a.lag", PENDULUM.replace(right, wrong, 1))
-    found = fix(document, errors_of(document.faults)[0], faults)
+    found = fix(document, errors_of(document.faults)[0])
     assert found is not None
     assert "".join(document.with_edits(found.edits).source.text.split()) == "".join(PENDULUM.split())
 
 
 def test_a_block_is_closed_by_a_line_of_its_own() -> None:
     document = Document("a.lag", PENDULUM.replace("  end gravity;\n", ""))
-    found = fix(document, errors_of(document.faults)[0], faults)
+    found = fix(document, errors_of(document.faults)[0])
     assert found is not None and found.title == "insert `end gravity;`"
     assert not errors_of(document.with_edits(found.edits).faults)
 
@@ -215,7 +220,7 @@ def test_a_block_is_closed_by_a_line_of_its_own() -> None:
 def test_no_fix_is_offered_that_does_not_help() -> None:
     document = Document("a.lag", PENDULUM.replace("= 50 [cm]", "= 50 [s]"))
     (fault,) = errors_of(document.faults)
-    assert fix(document, fault, faults) is None
+    assert fix(document, fault) is None
 
 
 @pytest.mark.full
@@ -230,7 +235,7 @@ def test_of_sixty_mistakes_most_have_a_fix(kind: str, least: int) -> None:
         tried += 1
         document = Document(str(found[0]), found[2], ROOTS)
         wrong = errors_of(document.faults)
-        fixed += bool(wrong) and fix(document, wrong[0], faults) is not None
+        fixed += bool(wrong) and fix(document, wrong[0]) is not None
     assert fixed >= least
 
 
@@ -246,4 +251,4 @@ def test_damaged_texts_have_answers(part: int) -> None:
             document.hover(offset)
             document.completions(offset)
         if found and k % 10 == 0:
-            fix(document, found[0], faults)
+            fix(document, found[0])

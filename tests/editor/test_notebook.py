@@ -40,6 +40,9 @@ def test_a_cell_changes_parameters(shell: Any) -> None:
     assert done and shell.user_ns["pendulum"].stepper()["l"] == 0.7
     done, outputs, printed = cell(shell, f"%%lag pendulum -p l\n{PENDULUM}")
     assert not done and not outputs and "`l` is not of the form name=value" in printed
+    done, (shown,), _ = cell(shell, f"%%lag other -p q=3\n{PENDULUM}")
+    assert "LAG0601" in shown["text/html"] and "`q`" in shown["text/html"]
+    assert "other" not in shell.user_ns
 
 
 def test_faults_are_shown_with_the_line_marked(shell: Any) -> None:

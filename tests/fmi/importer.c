@@ -1,6 +1,7 @@
 /* A small importer of Model Exchange (FMI 3.0): Runge-Kutta steps of one length, and event location by bisection
  * of the step, as its authors' habits have it:
- *     importer HABIT STOP STEP        HABIT: 0 stops before each root, 1 as near to it as it gets, 2 behind it
+ *     importer HABIT STOP STEP        HABIT: 0 stops before each root, 1 as near to it as it gets, 2 behind it,
+ *                                     3 at the end of the step, also at events of time
  * It prints the time of each event that the FMU was asked to handle, then the states at the end. */
 #include "fmi3Functions.h"
 #include "lagc_model.h"
@@ -105,7 +106,7 @@ int main(int count, char **words)
     check(fmi3GetNumberOfEventIndicators(fmu, &nz));
     ends = handle_event(t, x, &next);
     while (!ends && t < stop) {
-        double end = fmin(fmin(t + most, stop), next);
+        double end = fmin(fmin(t + most, stop), habit == 3 ? stop : next);
         int crossed;
         fmi3Boolean enter, ended;
         set(t, x);
@@ -113,7 +114,7 @@ int main(int count, char **words)
         step(t, x, end - t, y);
         check(fmi3GetEventIndicators(fmu, after, nz));
         crossed = changed(z, after);
-        if (crossed) {
+        if (crossed && habit != 3) {
             end = t + located(habit, t, x, end - t, z);
             step(t, x, end - t, y);
         }

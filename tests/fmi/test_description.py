@@ -8,7 +8,8 @@ import pytest
 
 import lagc
 from lagc.cli.main import main
-from lagc.simulation.backends.cross import named
+from lagc.simulation.backends import compile as compile_
+from lagc.simulation.backends.cross import PLATFORMS, Platform
 from tests.fmi.units import archive, contents, description
 
 PLANE = """model Plane "two bodies and a switch"
@@ -122,15 +123,16 @@ def test_wrong_usage(words: list[str], said: str, capsys: pytest.CaptureFixture[
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", ["linux64", "win64", "aarch64-darwin"])
-def test_libraries_for_other_machines(name: str) -> None:
-    """zig links them; their first bytes are those of ELF, PE and Mach-O files."""
+@pytest.mark.parametrize("platform", PLATFORMS, ids=[platform.name for platform in PLATFORMS])
+def test_libraries_for_other_machines(platform: Platform, monkeypatch: pytest.MonkeyPatch) -> None:
+    """zig links them: the first bytes are those of ELF, PE or Mach-O, and two builds are the same bytes, as
+    users have them: with optimization."""
     pytest.importorskip("ziglang")
-    platform = named(name)
-    assert platform is not None
+    monkeypatch.setattr(compile_, "FLAGS", (*compile_.FLAGS, "-O2"))
+    first = archive("simple_pendulum", 3, (platform,))
     (library,) = [
-        data
-        for file, data in contents(archive("simple_pendulum", 3, (platform,))).items()
-        if file.startswith(f"binaries/{platform.name}/")
+        data for file, data in contents(first).items() if file.startswith(f"binaries/{platform.name}/")
     ]
     assert library[:4] in (b"\x7fELF", b"MZ\x90\x00", b"MZ\x78\x00", b"\xcf\xfa\xed\xfe")
+    archive.cache_clear()
+    assert archive("simple_pendulum", 3, (platform,)) == first

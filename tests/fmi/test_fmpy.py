@@ -129,6 +129,15 @@ def test_early_return_at_impacts(tmp_path: Path) -> None:
 
 
 @pytest.mark.full
+def test_no_early_return_unless_allowed(tmp_path: Path) -> None:
+    with instance("bouncing_ball", tmp_path, eventModeUsed=True, earlyReturnAllowed=False) as made:
+        made.updateDiscreteStates()
+        made.enterStepMode()
+        _, _, early, t = made.doStep(0.0, 2.0)  # beyond four impacts
+        assert t == 2.0 and not early
+
+
+@pytest.mark.full
 def test_two_threads(tmp_path: Path) -> None:
     """Instances share nothing: two that run at the same time give the bits of one."""
     found: dict[int, list[float]] = {}

@@ -11,7 +11,7 @@ import pytest
 
 import lagc
 from lagc.cli.main import main
-from tests.fmi.units import archive, program
+from tests.fmi.units import archive, gcc, program, sources
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "embed-the-c.md"
 STRICT = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"]
@@ -54,6 +54,50 @@ def test_roots_are_passed_in_any_way(model: str, stop: float, step: float, tmp_p
         states = [float(row[1]) for row in rows if row[0] == "state"]
         for name, value, size in zip(system.interface.state_names, states, scale):
             assert abs(value - run[name][-1]) < 1e-6 * size, (HABITS[habit], name)
+
+
+@pytest.mark.full
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
+def test_an_importer_that_is_late(tmp_path: Path) -> None:
+    """An importer of fixed steps handles an event of time up to a step late: each happens once, and the
+    motion changes by its rates times this delay."""
+    stop, step = 0.95, 0.003
+    path = program(archive("sampled_pd"), "importer.c", tmp_path)
+    run = lagc.load("sampled_pd").compile().simulate(stop=stop, accuracy=1e-9)
+    done = subprocess.run([path, "3", str(stop), str(step)], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    rows = [line.split() for line in done.stdout.splitlines()]
+    times = [float(row[1]) for row in rows if row[0] == "event"]
+    assert times == pytest.approx([0.0, *(event.t for event in run.events)], abs=step)
+    states = [float(row[1]) for row in rows if row[0] == "state"]
+    for name, rate, value in zip(("x", "der(x)"), ("der(x)", "u"), states):
+        assert abs(value - run[name][-1]) < 2.0 * step * abs(run[rate]).max()
+
+
+TWO = """#include <stdio.h>
+const char *bouncing_ball_fmi3GetVersion(void), *simple_pendulum_fmi3GetVersion(void);
+int main(void)
+{
+    printf("%s %s", bouncing_ball_fmi3GetVersion(), simple_pendulum_fmi3GetVersion());
+    return 0;
+}
+"""
+
+
+@pytest.mark.full
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
+def test_two_fmus_in_one_program(tmp_path: Path) -> None:
+    """Sources have the prefix of their model, as FMI asks for where they are linked statically."""
+    objects = []
+    for model in ("bouncing_ball", "simple_pendulum"):
+        folder = tmp_path / model
+        folder.mkdir()
+        for file in sources(archive(model), folder):
+            gcc(folder, "-c", file)
+            objects.append(f"{model}/{Path(file).stem}.o")
+    (tmp_path / "main.c").write_text(TWO)
+    gcc(tmp_path, "main.c", *objects, "-o", "main", "-lm")
+    assert subprocess.check_output([tmp_path / "main"], text=True).split() == ["3.0", "3.0"]
 
 
 def grouped(system: lagc.api.CompiledModel) -> list[list[str]]:

@@ -36,28 +36,26 @@ def description(data: bytes) -> ET.Element:
     return ET.fromstring(contents(data)["modelDescription.xml"])
 
 
-def program(data: bytes, main: str, folder: Path) -> Path:
-    """Compile `main`, a C file of this folder, with the sources that buildDescription.xml lists."""
+def sources(data: bytes, folder: Path) -> list[str]:
+    """Write the sources of an FMU into a folder; return the files that buildDescription.xml lists."""
     found = contents(data)
     for name, text in found.items():
         if name.startswith("sources/"):
             (folder / Path(name).name).write_bytes(text)
     build = ET.fromstring(found["sources/buildDescription.xml"])
-    files = [file.attrib["name"] for file in build.iter("SourceFile")]
-    (folder / main).write_bytes((Path(__file__).parent / main).read_bytes())
-    command = [
-        "gcc",
-        "-std=c99",
-        "-Wall",
-        "-Werror",
-        "-O0",
-        "-ffp-contract=off",
-        *files,
-        main,
-        "-o",
-        "main",
-        "-lm",
-    ]
+    return [file.attrib["name"] for file in build.iter("SourceFile")]
+
+
+def gcc(folder: Path, *words: str) -> None:
+    """Compile in a folder, without optimization."""
+    command = ["gcc", "-std=c99", "-Wall", "-Werror", "-O0", "-ffp-contract=off", *words]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+def program(data: bytes, main: str, folder: Path) -> Path:
+    """Compile `main`, a C file of this folder, with the sources of an FMU."""
+    files = sources(data, folder)
+    (folder / main).write_bytes((Path(__file__).parent / main).read_bytes())
+    gcc(folder, "-DFMI3_OVERRIDE_FUNCTION_PREFIX", *files, main, "-o", "main", "-lm")
     return folder / "main"

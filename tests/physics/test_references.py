@@ -7,7 +7,6 @@ import pytest
 from tests.physics.references import compiled, names, read
 
 CASES = [(name, sample.t) for name in names() for sample in read(name).samples]
-BY_ROUNDOFF = ("kepler_e099", "foucault_pendulum")  # their estimates are above a tenth of what is compared
 
 
 @pytest.mark.sample(2, 12)
@@ -21,8 +20,7 @@ def test_motion_is_the_published_one(name: str, t: float) -> None:
     else:
         tol = reference.tolerance
         run = compiled(name).simulate(t, method="dop853", rtol=tol, atol=tol, points=2)
-    # The estimate is over the whole motion, with each pericentre: there speeds are known to less than at t.
-    assert run.status == "ok" or (name in BY_ROUNDOFF and "round-off decides" in run.message), run.message
+    assert run.status == "ok", run.message
     found = run.final
     for quantity, value in sample.values.items():
         error = abs(found[quantity] - value) / reference.scale(quantity)

@@ -227,7 +227,9 @@ def test_c_and_python_have_the_same_bits(text: str) -> None:
 def test_calls_of_any_length_give_one_motion() -> None:
     """A trajectory of single steps is that of one call, to the bit."""
     compilation = pipeline.Compilation(Source("spring.lag", SPRING), pipeline.Choice(parameters={"c": 200.0}))
-    ((_, text),) = pipeline.render(pipeline.delivered(compilation, False, ["radau5"]), "numpy").items()
+    ((_, text),) = pipeline.render(
+        pipeline.delivered(compilation, pipeline.Contents(["radau5"])), "numpy"
+    ).items()
     space: dict[str, Any] = {}
     exec(text, space)
     ends = []
@@ -249,7 +251,7 @@ def test_derivatives_by_columns_are_those_by_entries(monkeypatch: pytest.MonkeyP
     found = []
     for most in (linearizations.MOST, -1):
         monkeypatch.setattr(linearizations, "MOST", most)
-        program = pipeline.delivered(compilation, False, ["radau5"])
+        program = pipeline.delivered(compilation, pipeline.Contents(["radau5"]))
         assert ("newton_column" in program.functions) == (most < 0)
         space: dict[str, Any] = {}
         exec("".join(pipeline.render(program, "numpy").values()), space)
@@ -268,7 +270,7 @@ def test_derivatives_by_columns_are_those_by_entries(monkeypatch: pytest.MonkeyP
 def test_models_carry_it_only_when_asked() -> None:
     source = Source("spring.lag", SPRING)
     plain, stiff = (
-        pipeline.delivered(pipeline.Compilation(source, pipeline.Choice()), False, m)
+        pipeline.delivered(pipeline.Compilation(source, pipeline.Choice()), pipeline.Contents(m))
         for m in (["dop853"], ["radau5"])
     )
     assert "radau5" not in methods_of(plain.interface) and "radau5" in methods_of(stiff.interface)

@@ -192,7 +192,7 @@ def test_both_backends_have_the_same_bits(text: str, stop: float) -> None:
 def test_calls_of_any_length_give_one_motion() -> None:
     """A trajectory of single steps is that of one call, to the bit; a failed call leaves the last step."""
     compilation = pipeline.Compilation(Source("pendulum.lag", PENDULUM), pipeline.Choice())
-    program = pipeline.delivered(compilation, False, ["taylor"])
+    program = pipeline.delivered(compilation, pipeline.Contents(["taylor"]))
     space: dict[str, Any] = {}
     exec("".join(pipeline.render(program, "numpy").values()), space)
     ends = []
@@ -214,7 +214,7 @@ def test_calls_of_any_length_give_one_motion() -> None:
 def test_models_carry_it_only_when_asked() -> None:
     source = Source("spring.lag", SPRING)
     plain, expanded = (
-        pipeline.delivered(pipeline.Compilation(source, pipeline.Choice()), False, m)
+        pipeline.delivered(pipeline.Compilation(source, pipeline.Choice()), pipeline.Contents(m))
         for m in (["dop853"], ["dop853", "taylor"])
     )
     assert "taylor" not in methods_of(plain.interface) and "taylor" in methods_of(expanded.interface)
@@ -226,7 +226,7 @@ def test_models_carry_it_only_when_asked() -> None:
 @pytest.mark.parametrize("real, digits", [("float", 1e-4), ("double", 1e-10), ("quad", 1e-13)])
 def test_types_of_reals(real: str, digits: float, tmp_path: Path) -> None:
     compilation = pipeline.Compilation(Source("pendulum.lag", PENDULUM), pipeline.Choice())
-    files = pipeline.render(pipeline.delivered(compilation, False, ["taylor"]), "c", real=real)
+    files = pipeline.render(pipeline.delivered(compilation, pipeline.Contents(["taylor"])), "c", real=real)
     for name, text in files.items():
         (tmp_path / name).write_text(text)
     (tmp_path / "run.c").write_text("""#include <stdio.h>
@@ -285,7 +285,12 @@ def test_a_build_has_the_methods_that_are_asked_for(
 def test_a_module_without_the_default_method_has_another_default(method: str) -> None:
     compilation = pipeline.Compilation(Source("spring.lag", SPRING), pipeline.Choice())
     space: dict[str, Any] = {}
-    exec("".join(pipeline.render(pipeline.delivered(compilation, False, [method]), "numpy").values()), space)
+    exec(
+        "".join(
+            pipeline.render(pipeline.delivered(compilation, pipeline.Contents([method])), "numpy").values()
+        ),
+        space,
+    )
     assert space["Options"]().method == method and [*space["METHODS"]] == [method]
     equations = space["Equations"](space["default_params"]())
     run = space["Integrator"](equations, space["Options"](step=0.01), 0.0, [1.0, 0.0])

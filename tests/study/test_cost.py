@@ -196,7 +196,7 @@ def test_a_probe_follows_a_closed_form(real: str) -> None:
     from lagc.compiler import pipeline
 
     model = lagc.loads(SPRING).compile()
-    program = pipeline.delivered(model.compilation, False)
+    program = pipeline.delivered(model.compilation)
     sources = pipeline.render(program, "c", real=real)
     probe = Probe(sources, program.interface, [2.0, 8.0], [0.5, 0.0], real)
     times = [0.25 * k for k in range(17)]
@@ -215,7 +215,7 @@ def test_a_run_in_slices_is_the_same_and_ends_at_its_deadline(monkeypatch: pytes
     from lagc.compiler import pipeline
 
     model = lagc.loads(SPRING).compile()
-    program = pipeline.delivered(model.compilation, False)
+    program = pipeline.delivered(model.compilation)
     probe = Probe(pipeline.render(program, "c"), program.interface, [2.0, 8.0], [0.5, 0.0])
     setting, times = Setting("dop853", rtol=1e-10), [0.25 * k for k in range(17)]
     whole, looks = probe.run(setting, times), list[int]()

@@ -23,8 +23,9 @@ import lagc
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
 from lagc.study.sweep import executors
-from lagc.study.sweep.journal import Journal, NotKept, Record
+from lagc.study.sweep.journal import Journal, NotKept
 from lagc.study.sweep.plan import Distribution, Values, parse, plan_of
+from lagc.study.sweep.worker import Record
 
 ROOT = str(Path(__file__).parents[2])
 SPRING = """model Spring

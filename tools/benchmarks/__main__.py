@@ -1,8 +1,8 @@
 """Speed and accuracy beside other tools, measured in one run.
 
     python -m tools.benchmarks [--quick] [--write] [--json FILE]
-    python -m tools.benchmarks contacts                   (separate contacts, beside MuJoCo)
-    python -m tools.benchmarks growth | stages | startup    (lagc alone: its compiler and its processes)
+    python -m tools.benchmarks contacts    (separate contacts, beside MuJoCo)
+    python -m tools.benchmarks growth | runs | stages | startup | verified    (of lagc alone)
 
 Other tools are used if they are installed: pip install -e '.[peers]'.
 """
@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from tools.benchmarks.measured import Report
 
-OTHERS = ("contacts", "growth", "stages", "startup")
+OTHERS = ("contacts", "growth", "runs", "stages", "startup", "verified")
 
 
 def main() -> int:

@@ -45,7 +45,8 @@ class Task:
     times: list[float]
 
     def probe(self, real: str = "double", method: str | None = None) -> Probe:
-        program = pipeline.delivered(self.model.compilation, False, [method] if method else EXPLICIT)
+        contents = pipeline.Contents([method] if method else EXPLICIT)
+        program = pipeline.delivered(self.model.compilation, contents)
         sources = stages.render(program, "c", real=real)
         return Probe(sources, program.interface, self.model._bound(None), self.x0, real)
 

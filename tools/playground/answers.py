@@ -80,7 +80,7 @@ def whole(asked: Answer) -> Answer:
 def fixes(asked: Answer) -> Answer:
     """Return for the first faults that `check` names a tried fix, or null."""
     document = _document(asked["text"])
-    tried = [fix(document, fault, lambda d: d.faults) for fault in document.faults[:MOST_FIXES]]
+    tried = [fix(document, fault) for fault in document.faults[:MOST_FIXES]]
     return {
         "fixes": [
             f and {"title": f.title, "edits": [[e.start, e.end, e.text] for e in f.edits]} for f in tried

@@ -16,10 +16,11 @@ from lagc.host.model_library import library_models, read
 from lagc.reports.derivation.html import cells
 from lagc.reports.equations.latex import equation_rows
 from tools.gallery import COLORS, draw, run_of
+from tools.site.tree import WIDE
 
 SIZE, DPI = (4.4, 3.0), 110  # inches of a picture, dots for each
 MOST_UNKNOWNS, LONGEST = 60, 12_000  # of equations that are shown; characters in LaTeX
-HEAD = """# Gallery
+HEAD = f"""{WIDE}# Gallery
 
 Each model is in the library: `lagc sim NAME --animate` shows it move, and its page has a button that opens
 it in the [playground](how-to/playground.md).
@@ -62,12 +63,13 @@ def _page(folder: Path, name: str) -> str:
     rows = _equations(system)
     many = f"{len(system.equations.v)} equations of motion: `lagc equations {title}` prints them.\n"
     page.write_text(
-        f"# {title.replace('_', ' ').capitalize()}\n\n{about}\n{{: .about }}\n\n"
+        f"{WIDE}# {title.replace('_', ' ').capitalize()}\n\n{about}\n{{: .about }}\n\n"
         f'<div class="model" markdown="1">\n![{title} in motion]({title}.png)\n\n'
+        f'<div markdown="1">\n'
         f'<a class="md-button md-button--primary" href="../../playground/index.html#model={name}">'
-        f"Open in the playground</a>\n"
-        f"</div>\n\n## Equations\n\n{rows or many}\n## Model\n\n```lag\n{text.rstrip()}\n```\n\n"
-        f"On the command line: `lagc sim {title} --animate`, `lagc derive {title} -o solution.html`.\n",
+        f"Open in the playground</a>\n\n"
+        f"```sh\nlagc sim {title} --animate\nlagc derive {title} -o solution.html\n```\n"
+        f"</div>\n</div>\n\n## Equations\n\n{rows or many}\n## Model\n\n```lag\n{text.rstrip()}\n```\n",
         encoding="utf-8",
     )
     return about

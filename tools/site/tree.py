@@ -8,16 +8,28 @@ import shutil
 from pathlib import Path
 
 PROJECT = ("CHANGELOG", "CONTRIBUTING", "SECURITY", "LICENSE")  # files beside docs/ that have a page
+WIDE = "---\nhide: [navigation]\n---\n\n"  # of a page without pages beside it
 API = """# Python interface, by its docstrings
 
 ::: lagc
-    options: {members: [load, loads, ModelFile, CompiledModel], show_root_heading: false, heading_level: 2}
+    options: {members: false, show_root_heading: false}
+
+::: lagc.load
+
+::: lagc.loads
+
+::: lagc.ModelFile
+
+::: lagc.CompiledModel
+    options: {inherited_members: true}
 
 ::: lagc.api.run.Run
+    options: {inherited_members: true}
 
-::: lagc.host.budgets.Limits
+::: lagc.Limits
+    options: {members: false}
 
-::: lagc.diagnostics.faults.Refused
+::: lagc.Refused
 """
 _LINK = re.compile(r"\]\((?!https?:|#)([^)#\s]*)(#[^)\s]*)?\)")
 _FENCE = re.compile(r"^( *)```modelica$", re.MULTILINE)
@@ -33,7 +45,7 @@ def copy(root: Path, to: Path) -> None:
     for path in [*to.rglob("*.md")]:
         text = path.read_text(encoding="utf-8")
         text = _FENCE.sub(r"\1```lag", _LINK.sub(lambda found, at=path: _link(found, at, to), text))
-        path.write_text(text, encoding="utf-8")
+        path.write_text(WIDE * (path.stem in ("index", "tutorial")) + text, encoding="utf-8")
     (to / "reference" / "api.md").write_text(API, encoding="utf-8")
 
 

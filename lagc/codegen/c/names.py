@@ -30,6 +30,7 @@ def in_source(text: str, header: str, own: str) -> str:
         for n in re.findall(r"^static const \S+ (lagc_[a-z_]+)\[", text, re.M)
     }
 
+    # Public functions have the prefix of the model; all other names are plain, unless that is taken.
     def form(match: re.Match[str]) -> str:
         name = match[0]
         if name == _KEPT or (name in public and name.startswith("lagc_") and name not in types):
@@ -37,20 +38,16 @@ def in_source(text: str, header: str, own: str) -> str:
         plain = types.get(name) or tables.get(name) or name[len("lagc_") :]
         return f"{plain}_" if plain in taken else plain
 
+    # Plain names of what the header declares: types, sizes, statuses and other numbers.
     named = [name for name in dict.fromkeys(_NAME.findall(header)) if name in used and name != _KEPT]
     lines = [f"typedef {in_header(name, own)} {types[name]};" for name in named if name in types]
     sizes = re.findall(r"#define (\w+) ", header)
     statuses = _NAME.findall("".join(re.findall(r"enum \{([^}]*)\} lagc_status;", header)))
     groups: dict[str, list[str]] = {"enum {": [], "static const Status": [], "static const int": []}
+    kinds = {**dict.fromkeys(statuses, "static const Status"), **dict.fromkeys(sizes, "enum {")}
     for name in named:
         if name.startswith("LAGC_"):
-            kind = (
-                "enum {"
-                if name in sizes
-                else "static const Status"
-                if name in statuses
-                else "static const int"
-            )
+            kind = kinds.get(name, "static const int")
             groups[kind].append(f"    {name.removeprefix('LAGC_')} = {in_header(name, own)}")
     for kind, rows in groups.items():
         if rows:

@@ -201,7 +201,7 @@ class Runtime:
         found = {}
         for part in self.use.records:
             lines = []
-            for name, kind, lead, trail in self._kept(part):
+            for name, kind, lead, trail in self._members_in_use(part):
                 lines += [f"    {line}" for line in block_comment("\n".join(lead)).splitlines()]
                 lines += _annotated(f"    {printer.declared(tuple(kind), name)};", trail)
             head, body = block_comment(part.note), "\n".join(lines)
@@ -214,7 +214,7 @@ class Runtime:
         bodies = [function.text for function in self.use.functions] + [f.body for f in self.functions]
         return frozenset(re.findall(r"(?:->|\.)([A-Za-z]\w*)", "".join(bodies)))
 
-    def _kept(self, part: Part) -> list[Member]:
+    def _members_in_use(self, part: Part) -> list[Member]:
         """Return the members of a record: the public ones, those that functions use, and at least one. A
         comment before members that are left out stands before the next one."""
         is_public = part.name in PUBLIC_RECORDS and not (self.only and part.name == "Work")

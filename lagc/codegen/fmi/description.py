@@ -13,25 +13,45 @@ from lagc.lowering.program import Field, Interface
 from lagc.semantics.units import BASE, PARTS, quotient, unit
 
 XML = '<?xml version="1.0" encoding="UTF-8"?>\n'
-TRUE, FALSE = "true", "false"
 _NAME = r"[A-Za-z_]\w*(\[\d+(,\d+)*\])?(\.[A-Za-z_]\w*(\[\d+(,\d+)*\])?)*"
 NAME = re.compile(rf"{_NAME}|der\({_NAME}(,\d+)?\)", re.ASCII)  # of the structured naming convention
 CHARACTERS = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # outside of XML
 
+# The versions differ in spelling, and in what 2.0 does not have.
+TOKEN = {3: "instantiationToken", 2: "guid"}
+STATE, DIRECTIONAL = {3: "FMUState", 2: "FMUstate"}, {3: "Derivatives", 2: "Derivative"}
+COMPLETED_STEP = {3: {"needsCompletedIntegratorStep": "true"}, 2: {}}
+OF_CO_SIMULATION = {
+    3: ("canHandleVariableCommunicationStepSize", "providesIntermediateUpdate", "mightReturnEarlyFromDoStep",
+        "canReturnEarlyAfterIntermediateUpdate"),
+    2: ("canHandleVariableCommunicationStepSize",),
+}  # fmt: skip
+OF_VALUE = (
+    "unit",
+    "displayUnit",
+    "min",
+    "max",
+    "nominal",
+    "start",
+    "derivative",
+)  # in 2.0 not of the variable
+GROUPS = {"Output": "Outputs", "ContinuousStateDerivative": "Derivatives",
+          "InitialUnknown": "InitialUnknowns"}  # fmt: skip
+
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable; `attributes` are those of FMI that are given."""
+    """A variable; `attributes` are those of FMI, except its names and references."""
 
     name: str
     reference: int
-    causality: str
-    variability: str
     attributes: dict[str, str]
-    unit: str = ""
-    display: str = ""
     derivative: int | None = None  # value reference of the state that this is the derivative of
     is_boolean: bool = False
+
+    @property
+    def is_indicator(self) -> bool:
+        return self.name.startswith("event_indicator[")
 
 
 @dataclass(frozen=True)
@@ -50,16 +70,8 @@ class Unit:
     def first(self) -> dict[str, int]:
         """The first value reference of each kind of variable, as in `lagc_instance.h`."""
         i, found, at = self.interface, dict[str, int](), 1
-        states = i.nq + i.nv
-        free = len(i.relations) - i.timed_relations
-        sizes = {
-            "p": len(i.parameters) + len(i.inputs),
-            "x": i.nx,
-            "d": states,
-            "y": len(i.outputs),
-            "z": free,
-        }
-        for name, size in sizes.items():
+        given, states = len(i.parameters) + len(i.inputs), i.nq + i.nv
+        for name, size in {"p": given, "x": i.nx, "d": states, "y": len(i.outputs), "z": 0}.items():
             found[name] = at
             at += size
         return found
@@ -99,190 +111,162 @@ def number(value: float) -> str:
 def variables(made: Unit) -> Iterator[Variable]:
     """Yield the variables in the order of their value references."""
     i, first = made.interface, made.first
-    yield Variable("time", 0, "independent", "continuous", {"description": "simulation time"}, "s")
-    for k, field in enumerate((*i.parameters, *i.inputs)):
-        yield _given(field, first["p"] + k, k < len(i.parameters))
-    mirrors = {vr: first["x"] + k for k, vr in enumerate(made.derivatives)}
     initial = "exact" if made.exact else "approx"
+    yield Variable("time", 0, _kind("independent", "continuous", "s", description="simulation time"))
+
+    # Parameters and inputs, which an importer sets.
+    for k, field in enumerate((*i.parameters, *i.inputs)):
+        kind = ("parameter", "tunable") if k < len(i.parameters) else ("input", "continuous")
+        more = {"initial": "exact"} if k < len(i.parameters) else {}
+        bounds = {"min": field.minimum, "max": field.maximum}
+        more |= {name: number(bound) for name, bound in bounds.items() if isfinite(bound)}
+        more["start"] = number(field.value or 0.0)
+        yield Variable(field.name, first["p"] + k, {**_of(field, *kind), **more})
+
+    # States: a speed is the derivative of its coordinate.
+    mirrors = {vr: first["x"] + k for k, vr in enumerate(made.derivatives)}
     for k, (name, own) in enumerate(zip(i.state_names, i.state_units)):
-        nominal = {"nominal": number(i.scales[name])} if i.scales.get(name) else {}
-        more = {"initial": initial, "start": number(made.start[k]), **nominal}
+        more = {"initial": initial, "start": number(made.start[k])}
+        if i.scales.get(name):
+            more["nominal"] = number(i.scales[name])
         at = first["x"] + k
-        yield Variable(name, at, "local", "continuous", more, own, "", mirrors.get(at))
+        yield Variable(name, at, _kind("local", "continuous", own, **more), mirrors.get(at))
     for k, (field, truth) in enumerate(zip(i.discretes, i.booleans)):
-        at = first["x"] + i.nx - len(i.discretes) + k
-        yield _computed(field, at, "local", "discrete", is_boolean=bool(truth))
+        at = first["d"] - len(i.discretes) + k
+        attributes = {**_of(field, "local", "discrete", not truth), "initial": "calculated"}
+        yield Variable(field.name, at, attributes, is_boolean=bool(truth))
+
+    # Computed values: accelerations, outputs, indicators.
     for k, (name, own) in enumerate(zip(i.state_names, i.state_units)):
         at = first["d"] + k
         if at in mirrors:
-            base = name[4:-1] if name.startswith("der(") else ""
-            label = f"der({base},2)" if base else f"der({name})"
-            over = quotient(own, "s")
-            more = {"initial": "calculated"}
-            yield Variable(label, at, "local", "continuous", more, over, "", first["x"] + k)
+            label = f"{name[:-1]},2)" if name.startswith("der(") else f"der({name})"
+            over = _kind("local", "continuous", quotient(own, "s"), initial="calculated")
+            yield Variable(label, at, over, first["x"] + k)
     for k, field in enumerate(i.outputs):
-        yield _computed(field, first["y"] + k, "output", "continuous")
+        attributes = {**_of(field, "output", "continuous"), "initial": "calculated"}
+        yield Variable(field.name, first["y"] + k, attributes)
     for k, words in enumerate(i.relations[i.timed_relations :]):
-        more = {"initial": "calculated", "description": words}
-        yield Variable(f"event_indicator[{k + 1}]", first["z"] + k, "local", "continuous", more)
+        attributes = _kind("local", "continuous", initial="calculated", description=words)
+        yield Variable(f"event_indicator[{k + 1}]", first["z"] + k, attributes)
 
 
-def _about(field: Field) -> dict[str, str]:
-    return {"description": field.description} if field.description else {}
+def _kind(causality: str, variability: str, own: str = "", display: str = "", **more: str) -> dict[str, str]:
+    """Return the attributes of a variable; its unit is absent if it has none."""
+    units = {"unit": own} if own else {}
+    if own and display not in ("", own):
+        units["displayUnit"] = display
+    return {"causality": causality, "variability": variability, **units, **more}
 
 
-def _given(field: Field, at: int, is_parameter: bool) -> Variable:
-    more = _about(field)
-    if is_parameter:
-        more["initial"] = "exact"
-    if isfinite(field.minimum):
-        more["min"] = number(field.minimum)
-    if isfinite(field.maximum):
-        more["max"] = number(field.maximum)
-    more["start"] = number(field.value or 0.0)
-    kind = ("parameter", "tunable") if is_parameter else ("input", "continuous")
-    return Variable(field.name, at, *kind, more, field.unit, field.display_unit)
+def _of(field: Field, causality: str, variability: str, has_unit: bool = True) -> dict[str, str]:
+    """Return the attributes that the declaration of a field gives."""
+    about = {"description": field.description} if field.description else {}
+    units = (field.unit, field.display_unit) if has_unit else ()
+    return _kind(causality, variability, *units, **about)
 
 
-def _computed(field: Field, at: int, causality: str, variability: str, is_boolean: bool = False) -> Variable:
-    more = {**_about(field), "initial": "calculated"}
-    own = ("", "") if is_boolean else (field.unit, field.display_unit)
-    return Variable(field.name, at, causality, variability, more, *own, is_boolean=is_boolean)
+def _add(parent: ET.Element, tag: str, attributes: dict[str, str] = {}, **more: str) -> ET.Element:  # noqa: B006
+    """Add an element; characters that XML does not have become `?`."""
+    cleaned = {name: CHARACTERS.sub("?", value) for name, value in {**attributes, **more}.items()}
+    return ET.SubElement(parent, tag, cleaned)
 
 
-def _text(attributes: dict[str, str]) -> dict[str, str]:
-    return {name: CHARACTERS.sub("?", value) for name, value in attributes.items()}
-
-
-def _units(found: Iterable[Variable]) -> ET.Element:
-    """Return the units, each with those in which it is shown: value shown = factor * value."""
+def _add_units(root: ET.Element, found: Iterable[Variable]) -> None:
+    """Add the units, each with those in which it is shown: value shown = factor * value."""
     shown: dict[str, set[str]] = {}
     for variable in found:
-        if variable.unit:
-            shown.setdefault(variable.unit, set()).update({variable.display} - {"", variable.unit})
-    root = ET.Element("UnitDefinitions")
+        if own := variable.attributes.get("unit"):
+            shown.setdefault(own, set()).update({variable.attributes.get("displayUnit", own)} - {own})
+    units = _add(root, "UnitDefinitions")
     for name in sorted(shown):
-        own = unit(name)
-        element = ET.SubElement(root, "Unit", name=name)
-        powers = {base: str(e // PARTS) for base, e in zip(BASE, own.dimension) if e}
-        if not any(e % PARTS for e in own.dimension):
+        powers = unit(name).dimension
+        element = _add(units, "Unit", name=name)
+        # FMI has whole powers of the units of SI.
+        if not any(e % PARTS for e in powers):
             angle = {"rad": "1"} if re.match("rad", name) else {}
-            ET.SubElement(element, "BaseUnit", {**powers, **angle})
+            _add(element, "BaseUnit", {base: str(e // PARTS) for base, e in zip(BASE, powers) if e} | angle)
         for display in sorted(shown[name]):
-            ET.SubElement(element, "DisplayUnit", name=display, factor=number(1.0 / unit(display).factor))
-    return root
+            _add(element, "DisplayUnit", name=display, factor=number(1.0 / unit(display).factor))
 
 
-def _head(made: Unit, **more: str) -> ET.Element:
-    return ET.Element("fmiModelDescription", _text({
-        "modelName": made.interface.model, "description": made.about, "generationTool": "lagc",
-        "variableNamingConvention": "structured", **more,
-    }))  # fmt: skip
-
-
-def _experiment(interface: Interface) -> ET.Element:
-    stop = number(interface.simulate.get("stop", 1.0))
-    return ET.Element("DefaultExperiment", startTime="0.0", stopTime=stop, tolerance="1e-6")
-
-
-def _categories() -> ET.Element:
-    root = ET.Element("LogCategories")
-    for name in ("logStatusWarning", "logStatusError"):
-        ET.SubElement(root, "Category", name=name)
-    return root
-
-
-def _printed(root: ET.Element) -> str:
-    ET.indent(root)
-    return XML + ET.tostring(root, encoding="unicode") + "\n"
+def _add_kinds(root: ET.Element, made: Unit, version: int) -> None:
+    """Add Model Exchange and Co-Simulation, each with what it can do."""
+    can = {
+        "modelIdentifier": prefix(made.interface.model),
+        f"canGetAndSet{STATE[version]}": "true",
+        f"canSerialize{STATE[version]}": "true",
+        f"providesDirectional{DIRECTIONAL[version]}": str(made.directional).lower(),
+    }
+    events = {"hasEventMode": str(bool(made.interface.relations)).lower()} if version == 3 else {}
+    co = {**dict.fromkeys(OF_CO_SIMULATION[version], "true"), **events}
+    for tag, more in {"ModelExchange": COMPLETED_STEP[version], "CoSimulation": co}.items():
+        element = _add(root, tag, can, **more)
+        if version == 2:  # later versions have a file buildDescription.xml
+            files = _add(element, "SourceFiles")
+            for name in units(made.interface, 2):
+                _add(files, "File", name=name)
 
 
 def _unknowns(made: Unit, found: Sequence[Variable]) -> dict[str, list[int]]:
     """Return the value references of each part of the structure. Initial unknowns are all outputs, state
     derivatives and states that the initialization computes."""
     states = range(made.first["x"], made.first["x"] + made.interface.nq + made.interface.nv)
-    own, outputs = made.derivatives, [v.reference for v in found if v.causality == "output"]
+    own, outputs = made.derivatives, [v.reference for v in found if v.attributes["causality"] == "output"]
     computed = {v.reference for v in found if v.attributes.get("initial") in ("approx", "calculated")}
     return {
         "Output": outputs,
         "ContinuousStateDerivative": own,
         "InitialUnknown": [vr for vr in sorted({*states, *own, *outputs}) if vr in computed],
-        "EventIndicator": [v.reference for v in found if v.name.startswith("event_indicator[")],
+        "EventIndicator": [v.reference for v in found if v.is_indicator],
     }
 
 
-def fmi3(made: Unit) -> str:
-    """Return modelDescription.xml of FMI 3.0."""
-    found, name = list(variables(made)), prefix(made.interface.model)
-    root = _head(made, fmiVersion="3.0", instantiationToken=made.token)
-    can = {"modelIdentifier": name, "canGetAndSetFMUState": TRUE, "canSerializeFMUState": TRUE,
-           "providesDirectionalDerivatives": TRUE if made.directional else FALSE}  # fmt: skip
-    ET.SubElement(root, "ModelExchange", can, needsCompletedIntegratorStep=TRUE)
-    ET.SubElement(
-        root, "CoSimulation", can, canHandleVariableCommunicationStepSize=TRUE,
-        providesIntermediateUpdate=TRUE,
-        mightReturnEarlyFromDoStep=TRUE, canReturnEarlyAfterIntermediateUpdate=TRUE,
-        hasEventMode=TRUE if made.interface.relations else FALSE,
-    )  # fmt: skip
-    root.extend([_units(found), _categories(), _experiment(made.interface)])
-    listed = ET.SubElement(root, "ModelVariables")
-    for v in found:
-        attributes = {"name": quoted(v.name), "valueReference": str(v.reference), "causality": v.causality,
-                      "variability": v.variability, **_quantity(v), **v.attributes}  # fmt: skip
-        if v.derivative is not None:
-            attributes["derivative"] = str(v.derivative)
-        ET.SubElement(listed, "Boolean" if v.is_boolean else "Float64", _text(attributes))
-    structure = ET.SubElement(root, "ModelStructure")
-    for kind, references in _unknowns(made, found).items():
-        for vr in references:
-            ET.SubElement(structure, kind, valueReference=str(vr))
-    return _printed(root)
-
-
-def _quantity(variable: Variable) -> dict[str, str]:
-    shown = {"displayUnit": variable.display} if variable.display not in ("", variable.unit) else {}
-    return {"unit": variable.unit, **shown} if variable.unit else {}
-
-
-def fmi2(made: Unit) -> str:
-    """Return modelDescription.xml of FMI 2.0, which counts variables from 1 and has no variables of event
+def description(made: Unit, version: int) -> str:
+    """Return modelDescription.xml. FMI 2.0 counts variables from 1 and has no variables of event
     indicators."""
     every = list(variables(made))
-    found = [v for v in every if not v.name.startswith("event_indicator[")]
-    index = {v.reference: str(k) for k, v in enumerate(found, 1)}
-    count = str(len(every) - len(found))
-    root = _head(made, fmiVersion="2.0", guid=made.token, numberOfEventIndicators=count)
-    can = {"modelIdentifier": prefix(made.interface.model), "canGetAndSetFMUstate": TRUE,
-           "canSerializeFMUstate": TRUE,
-           "providesDirectionalDerivative": TRUE if made.directional else FALSE}  # fmt: skip
-    for kind in ("ModelExchange", "CoSimulation"):
-        more = {"canHandleVariableCommunicationStepSize": TRUE} if kind == "CoSimulation" else {}
-        files = ET.SubElement(ET.SubElement(root, kind, {**can, **more}), "SourceFiles")
-        for name in units(made.interface, 2):
-            ET.SubElement(files, "File", name=name)
-    root.extend([_units(found), _categories(), _experiment(made.interface)])
-    listed = ET.SubElement(root, "ModelVariables")
+    found = every if version == 3 else [v for v in every if not v.is_indicator]
+    index = {v.reference: str(v.reference if version == 3 else k) for k, v in enumerate(found, 1)}
+
+    # The order of the elements is that of the schema.
+    root = _add(ET.Element("root"), "fmiModelDescription", {
+        "fmiVersion": f"{version}.0", "modelName": made.interface.model, TOKEN[version]: made.token,
+        "description": made.about, "generationTool": "lagc", "variableNamingConvention": "structured",
+    })  # fmt: skip
+    if version == 2:
+        root.set("numberOfEventIndicators", str(len(every) - len(found)))
+    _add_kinds(root, made, version)
+    _add_units(root, found)
+    categories = _add(root, "LogCategories")
+    for name in ("logStatusWarning", "logStatusError"):
+        _add(categories, "Category", name=name)
+    stop = number(made.interface.simulate.get("stop", 1.0))
+    _add(root, "DefaultExperiment", startTime="0.0", stopTime=stop, tolerance="1e-6")
+
+    listed = _add(root, "ModelVariables")
     for v in found:
-        own = {"name": quoted(v.name), "valueReference": str(v.reference), "causality": v.causality,
-               "variability": v.variability, **_only(v.attributes, "description", "initial")}  # fmt: skip
-        value = {**_quantity(v), **_only(v.attributes, "min", "max", "nominal", "start")}
+        attributes = {"name": quoted(v.name), "valueReference": str(v.reference), **v.attributes}
         if v.derivative is not None:
-            value["derivative"] = index[v.derivative]
-        scalar = ET.SubElement(listed, "ScalarVariable", _text(own))
-        ET.SubElement(scalar, "Boolean" if v.is_boolean else "Real", _text(value))
-    structure = ET.SubElement(root, "ModelStructure")
-    parts = _unknowns(made, found)
-    for name, kind in zip(("Outputs", "Derivatives", "InitialUnknowns"), parts):
-        places = [index[vr] for vr in parts[kind]]
-        if places:
-            listed = ET.SubElement(structure, name)
-            for place in sorted(places, key=int) if name == "InitialUnknowns" else places:
-                ET.SubElement(listed, "Unknown", index=place)
+            attributes["derivative"] = index[v.derivative]
+        of_value = (
+            {} if version == 3 else {name: attributes.pop(name) for name in OF_VALUE if name in attributes}
+        )
+        if version == 2:
+            _add(_add(listed, "ScalarVariable", attributes), "Boolean" if v.is_boolean else "Real", of_value)
+        else:
+            _add(listed, "Boolean" if v.is_boolean else "Float64", attributes)
+
+    structure = _add(root, "ModelStructure")
+    for kind, references in _unknowns(made, found).items():
+        if version == 2 and references:
+            group = _add(structure, GROUPS[kind])
+            for vr in references:
+                _add(group, "Unknown", index=index[vr])
+        elif version == 3:
+            for vr in references:
+                _add(structure, kind, valueReference=index[vr])
     return _printed(root)
-
-
-def _only(attributes: dict[str, str], *names: str) -> dict[str, str]:
-    return {name: attributes[name] for name in names if name in attributes}
 
 
 def units(interface: Interface, version: int) -> tuple[str, ...]:
@@ -293,9 +277,14 @@ def units(interface: Interface, version: int) -> tuple[str, ...]:
 def build(interface: Interface) -> str:
     """Return sources/buildDescription.xml of FMI 3.0."""
     root = ET.Element("fmiBuildDescription", fmiVersion="3.0")
-    configuration = ET.SubElement(root, "BuildConfiguration", modelIdentifier=prefix(interface.model))
-    files = ET.SubElement(configuration, "SourceFileSet", language="C99")
+    configuration = _add(root, "BuildConfiguration", modelIdentifier=prefix(interface.model))
+    files = _add(configuration, "SourceFileSet", language="C99")
     for name in units(interface, 3):
-        ET.SubElement(files, "SourceFile", name=name)
-    ET.SubElement(configuration, "Library", name="m")
+        _add(files, "SourceFile", name=name)
+    _add(configuration, "Library", name="m")
     return _printed(root)
+
+
+def _printed(root: ET.Element) -> str:
+    ET.indent(root)
+    return XML + ET.tostring(root, encoding="unicode") + "\n"

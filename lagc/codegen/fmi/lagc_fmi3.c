@@ -72,34 +72,12 @@ fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
     return status;
 }
 
-fmi3Status fmi3EnterEventMode(fmi3Instance instance)
-{
-    INSTANCE;
-    REQUIRE(EVENT | CONTINUOUS | STEP);
-    i->c.mode = EVENT;
-    return fmi3OK;
-}
-
-fmi3Status fmi3EnterStepMode(fmi3Instance instance) { INSTANCE; REQUIRE(EVENT); i->c.mode = STEP; return fmi3OK; }
-
-fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance)
-{
-    INSTANCE;
-    REQUIRE(EVENT);
-    i->c.mode = CONTINUOUS;
-    return fmi3OK;
-}
-
-fmi3Status fmi3Terminate(fmi3Instance instance)
-{
-    INSTANCE;
-    REQUIRE(EVENT | CONTINUOUS | STEP);
-    i->c.mode = TERMINATED;
-    return fmi3OK;
-}
-
-fmi3Status fmi3EnterConfigurationMode(fmi3Instance i) { return say((Instance *)i, fmi3Error, "no structural parameters"); }
-fmi3Status fmi3ExitConfigurationMode(fmi3Instance i) { return say((Instance *)i, fmi3Error, "no structural parameters"); }
+#define TRANSITION(name, from, to) \
+    fmi3Status name(fmi3Instance instance) { INSTANCE; REQUIRE(from); i->c.mode = to; return fmi3OK; }
+TRANSITION(fmi3EnterEventMode, EVENT | CONTINUOUS | STEP, EVENT)
+TRANSITION(fmi3EnterStepMode, EVENT, STEP)
+TRANSITION(fmi3EnterContinuousTimeMode, EVENT, CONTINUOUS)
+TRANSITION(fmi3Terminate, EVENT | CONTINUOUS | STEP, TERMINATED)
 
 /* -- Variables -- */
 
@@ -430,7 +408,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 from, fmi3Float64 lengt
         return say(i, fmi3Error, "doStep from %.17g by %.17g, but the FMU is at %.17g", from, length, c->s.t);
     bind(i);
 #if NRELATIONS > 0
-    c->o.report = i->uses_events;
+    c->o.report = i->uses_events && i->may_return_early;
 #endif
     status = i->update ? step_with_updates(i, t1, &returns) : integrate(i, t1, 0);
     *reached = c->s.t;
@@ -447,6 +425,8 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 from, fmi3Float64 lengt
 #define LACKS(name, arguments) \
     fmi3Status name arguments { return say((const Instance *)i, fmi3Error, #name " is not provided"); }
 #define REFERENCES fmi3Instance i, const fmi3ValueReference r[], size_t n
+LACKS(fmi3EnterConfigurationMode, (fmi3Instance i))
+LACKS(fmi3ExitConfigurationMode, (fmi3Instance i))
 LACKS(fmi3GetBinary, (REFERENCES, size_t s[], fmi3Binary v[], size_t m))
 LACKS(fmi3SetBinary, (REFERENCES, const size_t s[], const fmi3Binary v[], size_t m))
 LACKS(fmi3GetClock, (REFERENCES, fmi3Clock v[]))

@@ -60,19 +60,24 @@ static fmi3Status say(const Instance *i, fmi3Status status, const char *format, 
     return status;
 }
 
+/* The name of entry k of an array: "params", "x" or "lambda". */
+static const char *name_of(const char *record, int k)
+{
+    const M(member) *m;
+    for (m = M(members)(); m->name; m++)
+        if (strcmp(m->record, record) == 0 && k-- == 0)
+            return m->name;
+    return "the model";
+}
+
 /* What the culprit of a status refers to; see the enumeration of statuses in the header of the model. */
 static const char *culprit_name(M(status) status, int k)
 {
     if (status == K(INVALID))
-        return k >= K(BAD_PARAMETER) && k < K(BAD_PARAMETER) + K(NP) ? parameter_names[k - K(BAD_PARAMETER)]
-                                                                    : "an option, the time or a bound";
-    if (status == K(SINGULAR_MASS))
-        return k >= 0 && k < K(NV) ? state_names[K(NQ) + k] : "a speed";
-    if (status == K(NOT_FINITE))
-        return k >= 0 && k < NS ? state_names[k] : "a discrete variable";
-    if (status == K(INCONSISTENT))
-        return k >= 0 && k < K(NC) ? row_names[k] : "initial equations";
-    return "the model";
+        return k >= K(BAD_PARAMETER) ? name_of("params", k - K(BAD_PARAMETER)) : "an option, the time or a bound";
+    if (k < 0)
+        return "the model";
+    return status == K(SINGULAR_MASS) ? name_of("x", K(NQ) + k) : name_of(status == K(NOT_FINITE) ? "x" : "lambda", k);
 }
 
 static fmi3Status fail(const Instance *i, fmi3Status as, M(status) status, int culprit, const char *where)
@@ -232,27 +237,15 @@ static int solve_motion(Instance *i, double *r, double *s)
     if (!good(M(assemble)(&i->c.p, i->c.t, i->c.x, &i->w)))
         return 0;
     M(solve)(r, s, &i->w);
-#else /* Gauss elimination with the largest pivot of each column */
+#else /* Gauss elimination without pivots: a mass matrix is positive definite */
     enum { N = K(NV) };
     double A[N * N];
     int j, k, m;
     M(mass_matrix)(&i->c.p, i->c.t, i->c.x, A, &i->w);
     memcpy(s, r, N * sizeof *s);
     for (k = 0; k < N; k++) {
-        int best = k;
-        for (j = k + 1; j < N; j++)
-            if (fabs(A[j * N + k]) > fabs(A[best * N + k]))
-                best = j;
-        if (A[best * N + k] == 0.0)
+        if (!(A[k * N + k] > 0.0))
             return 0;
-        for (m = 0; m < N; m++) {
-            const double kept = A[k * N + m];
-            A[k * N + m] = A[best * N + m], A[best * N + m] = kept;
-        }
-        {
-            const double kept = s[k];
-            s[k] = s[best], s[best] = kept;
-        }
         for (j = k + 1; j < N; j++) {
             const double factor = A[j * N + k] / A[k * N + k];
             for (m = k; m < N; m++)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
+from lagc.codegen.c.any_model import quoted
 from lagc.codegen.fmi.description import Unit, number
 from lagc.codegen.identifiers import prefix
 
@@ -39,12 +39,8 @@ def model_header(made: Unit) -> str:
         "NPARAMETERS": len(i.parameters), "NRELATIONS": len(i.relations),
         "HAS_DIRECTIONAL": made.directional, "HAS_SOLVE": i.nc,
     }  # fmt: skip
-    fields = (*i.parameters, *i.inputs)
     nominal = [i.scales.get(name) or 1.0 for name in i.state_names]
     tables = {
-        "const char *const parameter_names": map(_quoted, [f.name for f in fields]),
-        "const char *const state_names": map(_quoted, i.state_names),
-        "const char *const row_names": map(_quoted, i.row_labels),
         "const double start_values": map(number, made.start),
         "const double nominals_of_states": map(number, nominal),
         "const int scaling_groups": map(str, i.kinds),
@@ -55,18 +51,9 @@ def model_header(made: Unit) -> str:
         f'#include "{name}.h"',
         f"#define M(name) {name}_##name",
         f"#define K(NAME) {upper}_##NAME",
-        f"#define TOKEN {_quoted(made.token)}",
+        f"#define TOKEN {quoted(made.token)}",
+        f"#define FMI3_FUNCTION_PREFIX {name}_ /* of sources; FMI3_OVERRIDE_FUNCTION_PREFIX: none */",
         *(f"#define {key} {int(value)}" for key, value in numbers.items()),
-        *(f"static {head}[] = {{{_listed(values)}}};" for head, values in tables.items()),
+        *(f"static {head}[] = {{{', '.join(values) or 0}}};" for head, values in tables.items()),
         "",
     ])  # fmt: skip
-
-
-def _listed(values: Iterable[str]) -> str:
-    return ", ".join(values) or "0"
-
-
-def _quoted(text: str) -> str:
-    """Return a C string; characters beyond ASCII are escaped."""
-    data = text.encode()
-    return '"' + "".join(chr(b) if 32 <= b < 127 and b not in b'"\\?' else f"\\{b:03o}" for b in data) + '"'

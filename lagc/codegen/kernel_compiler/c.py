@@ -8,7 +8,17 @@ from collections.abc import Mapping, Sequence
 
 from lagc.codegen.kernel_compiler.kernel_syntax import identifier, root
 from lagc.codegen.kernel_compiler.real_types import Arithmetic
-from lagc.codegen.kernel_compiler.type_check import MADE, PAIR, REAL, SCALARS, VOID, WHOLE, Type, Types
+from lagc.codegen.kernel_compiler.type_check import (
+    MADE,
+    PAIR,
+    REAL,
+    SCALARS,
+    STATUS,
+    VOID,
+    WHOLE,
+    Type,
+    Types,
+)
 
 CHOICE, OR, AND, BITS, EQUAL, COMPARE, SHIFT, SUM, PRODUCT, SIGN, ATOM = range(1, 12)
 _OPERATORS = {
@@ -175,7 +185,8 @@ class CPrinter:
         elif kind[0] == "Record" and isinstance(value, ast.Call):
             out += [f"{indent}{self.local(name)};"] if declare else []
             for member, inner in self.now.known.members(kind[1]).items():
-                out.append(f"{indent}{name}.{member} = {'0.0' if inner == REAL else '0'};")
+                zero = "0.0" if inner == REAL else "LAGC_OK" if inner == STATUS else "0"
+                out.append(f"{indent}{name}.{member} = {zero};")
         else:
             text = self.passed(value, kind)
             out.append(f"{indent}{self.local(name) if declare else name} = {text};")

@@ -101,7 +101,7 @@ class Members(Mapping[str, Type]):
 
 @dataclass
 class Definitions:
-    """All definitions of kernel files, by name; the language does not matter."""
+    """The definitions of all kernel files, by name; the language does not matter."""
 
     sizes: frozenset[str]
     tables: Mapping[str, Type]

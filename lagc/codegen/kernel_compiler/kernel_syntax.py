@@ -257,11 +257,15 @@ def _without_inner_loops(node: ast.stmt) -> list[ast.AST]:
     return found
 
 
+# Python has one node for each of these: other programs of the process, as IPython, leave attributes in them.
+_SHARED = ast.expr_context | ast.boolop | ast.operator | ast.unaryop | ast.cmpop
+
+
 def clone(node: Any) -> Any:
     """Copy a tree with its comments; five times as fast as copy.deepcopy."""
     if isinstance(node, list):
         return [clone(n) for n in node]
-    if not isinstance(node, ast.AST):
+    if not isinstance(node, ast.AST) or isinstance(node, _SHARED):
         return node
     found = node.__class__.__new__(node.__class__)
     for name, value in node.__dict__.items():

@@ -252,3 +252,35 @@ def sine_cosine_two(x: Real, y: Real, pairs: Vec[FOUR]) -> None:
         c = -sine[i] if quarters & 1 != 0 else cosine[i]
         pairs[2 * i] = -s if quarters & 2 != 0 else s
         pairs[2 * i + 1] = -c if quarters & 2 != 0 else c
+
+
+def sine_cosine_near(x: Real, pair: Out[TWO]) -> bool:
+    """Compute sin x and cos x with the bits of `sine_cosine`, without branches, for vectors of angles. Return
+    whether the angle needs no further reduction; else they are not valid."""
+    # An angle of less than an eighth turn is its own remainder.
+    n = (x * QUARTERS_PER_RADIAN + ROUNDER) - ROUNDER
+    above = x - n * FIRST_PART
+    below = n * FIRST_REST
+    hi = above - below
+    lo = (above - hi) - below
+    z = hi * hi
+    xx = x * x
+    # The polynomials; zero keeps its sign.
+    half = 0.5 * z
+    rough = 1.0 - half
+    zz = z * z
+    zzz = z * zz
+    p = (SINE_0 + z * (SINE_1 + z * SINE_2)) + zzz * (SINE_3 + z * (SINE_4 + z * SINE_5))
+    r = (COSINE_0 + z * (COSINE_1 + z * COSINE_2)) + zzz * (COSINE_3 + z * (COSINE_4 + z * COSINE_5))
+    sine = hi + (z * hi * p + lo * rough)
+    sine = x if xx == 0.0 else sine
+    cosine = rough + (((1.0 - rough) - half) + (zz * r - hi * lo))
+    # Turn by the quadrant.
+    quarters = whole(n)
+    s = cosine if quarters & 1 != 0 else sine
+    c = -sine if quarters & 1 != 0 else cosine
+    pair[0] = -s if quarters & 2 != 0 else s
+    pair[1] = -c if quarters & 2 != 0 else c
+    small = x <= EIGHTH_TURN and x >= -EIGHTH_TURN
+    reduced = xx < FAR_SQUARE and z >= NEAR_SQUARE * xx + UNROUNDED_SQUARE and z <= WIDEST_SQUARE
+    return small or reduced

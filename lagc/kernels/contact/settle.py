@@ -382,6 +382,18 @@ def keep_closed(p: Params, s: State, w: Work) -> Status:
     return status
 
 
+def keep_mode(i: int, s: State, w: Work) -> None:
+    """Make the mode of a contact that was decided, w.settling.closed, that of the state."""
+    before = s.x[NX - NCON + i]
+    if w.settling.leaves[i] > 0 or before != 0.0 or w.settling.closed[i] != 0:
+        s.touch_times[i] = s.t
+    if w.settling.closed[i] != 0:
+        s.bounce_speeds[i] = 0.0
+    if NSPACE > 0:
+        s.slips.begins[i] = 1 if w.settling.closed[i] == 1 and before != 1.0 else 0
+    s.x[NX - NCON + i] = float(w.settling.closed[i])
+
+
 def settle_states(p: Params, s: State, w: Work) -> Status:
     """Do what contacts do at (s.t, s.x), with the hits w.settling.hit. Their modes in s.x follow."""
     # Every record of this event begins empty: impulses, losses, who leaves and who rests.
@@ -426,12 +438,7 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
     # over.
     for i in range(NCON):
         if w.settling.acts[contact_block[i]] > 0:
-            touched = w.settling.leaves[i] > 0 or s.x[NX - NCON + i] != 0.0
-            if touched or w.settling.closed[i] != 0:
-                s.touch_times[i] = s.t
-            s.x[NX - NCON + i] = float(w.settling.closed[i])
-            if w.settling.closed[i] != 0:
-                s.bounce_speeds[i] = 0.0
+            keep_mode(i, s, w)
     # Round-off of the speeds of closed contacts is removed; the axes of slips follow the final speeds.
     if not find_touching(s.x, w):
         return OK

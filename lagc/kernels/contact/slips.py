@@ -1,10 +1,11 @@
 """Slips at an event: which contacts begin, end or go on to slip, and where to.
 
 In space a contact slips along its velocity. The direction at the beginning of a step is its axis. Where the
-velocity has no part along the axis, the slip stops, or it has turned and gets a new axis.
+velocity has no part along the axis, the slip stops, or it has turned and gets a new axis. A slip that begins
+has no direction that stages could follow, as u/|u| has none at zero: it keeps its axis for a step.
 """
 
-from math import fabs, sqrt
+from math import fabs, inf, sqrt
 
 from lagc.kernels.contact.law import CONTACT_SLIPS
 from lagc.kernels.contact.touching import (
@@ -28,6 +29,7 @@ LEFT_BY_STOP = 1.0  # speed at which a slip in space ends, over the error of a s
 PASSING = by_type(1e-2, 1e-5, "1e-12")  # of the acceleration of a slip: friction that cannot stop it
 ALONG_STOP = 0.01  # the same along its direction
 ASIDE_STOP = 0.2  # the same across it, in a step
+ASIDE_START = 0.1  # speed across the axis of a slip that begins, over that along it, at the end of a step
 
 
 def reach_of(i: int, s: State) -> Real:
@@ -216,22 +218,28 @@ def keep_slip_errors(s: State, w: Work) -> None:
     """Keep the errors of slips in space of an accepted step."""
     for i in range(NCON):
         if contact_slips[i] == 2:
+            s.slips.begins[i] = 0
             s.slips.errors[i] = LEFT_BY_STOP * slip_error(i, w)
 
 
 def turns_fast(s: State, w: Work) -> bool:
     """Return whether a slip in space falls below half of its speed in a step and turns: its direction turns
-    ever faster towards a stop, and a step that passes much of that is not accurate within."""
+    ever faster towards a stop, and a step that passes much of that is not accurate within. Or a slip that has
+    begun leaves the axis that it keeps by more than the error of the step, or has turned."""
     # The change of direction between the ends of the step: `aside` is the velocity across the axis at the
     # beginning.
     for i in range(NCON):
-        turns = s.slips.speeds[i] > s.slips.roundoff[i]
+        begins = not w.contacts.slip_roundoff[i] < inf
+        turns = begins or s.slips.speeds[i] > s.slips.roundoff[i]
         if contact_slips[i] == 2 and s.x[NX - NCON + i] == 1.0 and turns:
             one = w.contacts.speeds[contact_first[i] + 1]
             other = w.contacts.speeds[contact_first[i] + 2]
             along = w.contacts.slip_axes[2 * i] * one + w.contacts.slip_axes[2 * i + 1] * other
             aside = w.contacts.slip_axes[2 * i] * other - w.contacts.slip_axes[2 * i + 1] * one
-            if along < 0.5 * s.slips.speeds[i] and fabs(aside) > ASIDE_STOP * slip_error(i, w):
+            if begins and fabs(aside) > ASIDE_START * along:
+                return True
+            slows = begins or along < 0.5 * s.slips.speeds[i]
+            if slows and fabs(aside) > ASIDE_STOP * slip_error(i, w):
                 return True
     return False
 
@@ -301,6 +309,11 @@ def turn_slips(p: Params, s: State, w: Work) -> None:
                             s.slips.axes[2 * i + k] = w.contacts.speeds[contact_first[i] + 1 + k] / speed
         w.contacts.slip_axes[:] = s.slips.axes
         w.contacts.slip_roundoff[:] = s.slips.roundoff
+        for i in range(NCON):
+            if contact_slips[i] == 2 and w.contacts.modes[i] == 1:
+                least = CONTACT_ROUNDOFF * slip_size(i, s, w) if s.slips.begins[i] > 0 else 0.0
+                if slip_speed(i, w) <= least:
+                    w.contacts.slip_roundoff[i] = inf
 
 
 def time_to_stop(p: Params, s: State, t: Real, rates: Vec[NX], w: Work) -> Real:

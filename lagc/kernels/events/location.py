@@ -618,9 +618,9 @@ def next_time_event(p: Params, s: State, t1: Real, direction: Real, w: Work) -> 
         earliest = t1
     if (earliest - t1) * direction > 0.0:
         return t1
-    # Relations that change at one time do so together.
+    # Relations that change at one time do so together, with those that the caller of `event` is late for.
     for k in range(NTIMED):
-        if fabs(w.events.times[k] - earliest) <= near:
+        if (w.events.times[k] - earliest) * direction <= near:
             w.events.crossed[k] = 1
     return earliest
 

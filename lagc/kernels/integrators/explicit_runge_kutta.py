@@ -30,29 +30,41 @@ def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status
     return OK
 
 
-def error(h: Real, s: State, w: Work) -> Real:
-    """Return the scaled error: the root mean square over coordinates and speeds of the estimate over
-    w.error.weights (HNW II.4.11). Two estimates e5 and e3 are combined to |e5|^2 / sqrt(|e5|^2 + 0.01
-    |e3|^2) (HNW II.10.17). Infinite if it overflows."""
-    if len(ERROR) == 0:
-        return 0.0
-    n = size(NQ) + NV
-    first = 0.0
-    # Weighted sums of squares of one estimate or of two.
-    if len(ERROR) == 2:
+def error_sums(h: Real, s: State, w: Work, sums: Out[TWO]) -> None:
+    """Compute the sums over coordinates and speeds of the squares of the estimates over w.error.weights."""
+    if len(ERROR) > 0:
+        first = 0.0
         second = 0.0
-    for i in range(NQ + NV):
-        e = h * combination(ERROR[0], s.k, i) / w.error.weights[i]
-        first += e * e
-        if len(ERROR) == 2:
-            e = h * combination(ERROR[1], s.k, i) / w.error.weights[i]
-            second += e * e
+        for i in range(NQ + NV):
+            e = h * combination(ERROR[0], s.k, i) / w.error.weights[i]
+            first += e * e
+            if len(ERROR) == 2:
+                e = h * combination(ERROR[1], s.k, i) / w.error.weights[i]
+                second += e * e
+        sums[0] = first
+        sums[1] = second
+
+
+def error_of_sums(first: Real, second: Real) -> Real:
+    """Return the scaled error: the root mean square of the estimate over the weights (HNW II.4.11). Two
+    estimates e5 and e3 are combined to |e5|^2 / sqrt(|e5|^2 + 0.01 |e3|^2) (HNW II.10.17). Infinite if it
+    overflows."""
+    n = size(NQ) + NV
     if len(ERROR) == 2:
         total = n * (first + 0.01 * second)
         if not total < inf:
             return inf
         return first / sqrt(total) if total > 0.0 else 0.0
     return sqrt(first / n) if first < inf else inf
+
+
+def error(h: Real, s: State, w: Work) -> Real:
+    """Return the scaled error of a step; 0 for a method without estimate."""
+    if len(ERROR) == 0:
+        return 0.0
+    sums = vector(TWO)
+    error_sums(h, s, w, sums)
+    return error_of_sums(sums[0], sums[1])
 
 
 def add_stability(s: State, w: Work) -> None:

@@ -474,6 +474,7 @@ class SlipState:
     roundoff: Vec[NCON]
     errors: Vec[NCON]  # that the last step may have made
     speeds: Vec[NCON]  # at the beginning of the step
+    begins: IVec[NCON]  # 1: the slip has begun, and no step was made
     axes_old: Vec[NDIRECT]  # of the last step
     roundoff_old: Vec[NCON]
 

@@ -1,7 +1,7 @@
 """The records of one attempted step, and of sensitivities."""
 
 from lagc.kernels.language.sizes import *
-from lagc.kernels.language.words import Count, Mat, Real, Vec, struct
+from lagc.kernels.language.words import Count, Mat, Real, Status, Vec, struct
 
 
 @struct
@@ -22,7 +22,11 @@ class Trial:
         ends_at_event: bool
         is_split: bool  # it is the first half of a step
         size_before_event: Real  # accepted size before the step was shortened to end at an event
+    if NGUARD > 0:
+        reductions: int  # of the size, since something might be hidden
     rejected: int  # attempts before this one
+    cause: Status  # of the last attempt, if it failed
+    status: Status  # of the call, if there is no further attempt
 
 
 @struct

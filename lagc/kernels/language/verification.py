@@ -39,7 +39,7 @@ class Verification:
     error: Vec[NQUANTITY]  # estimated error of each quantity
     scale: Vec[NQUANTITY]  # what it is relative to
     size: Vec[NQUANTITY]  # of the terms of the quantity
-    constant: IVec[NQUANTITY]  # 1: the quantity does not move; 2: round-off keeps it from its own range
+    constant: IVec[NQUANTITY]  # 1: does not move; 2: round-off keeps it from its own range; 3: is round-off
     if NZ > 0:
         work_error: Real  # largest difference of the work integrals, which have no error control
     if NLEAP > 0:
@@ -50,7 +50,9 @@ class Verification:
     check: State
     check_work: Work
     p: Params  # of the check
-    gap: Vec[NQUANTITY]  # largest difference of the two runs
+    gap: Vec[NQUANTITY]  # largest difference of the two runs at recorded times and the end
+    near: Vec[NQUANTITY]  # in the last block
+    apart: Vec[NQUANTITY]  # over the whole motion
     low: Vec[NQUANTITY]  # range of the quantity
     high: Vec[NQUANTITY]
     terms: Vec[NQUANTITY]  # sum of the magnitudes of the terms of an output
@@ -85,5 +87,8 @@ class Verification:
     check_ended: bool  # a clause has ended the check
     predicted: Real  # estimated error at the end, by that so far
     failures: int  # attempts that ended by an error
+    error_before: Real  # of the attempt before, and its tolerance
+    tolerance_before: Real
+    at_random: bool  # round-off decided an earlier attempt
     set_out_time: Real  # of the last comparison at which a quantity has moved twice as far as before
     misses_by_small: bool  # the worst quantity is small in its scaling group

@@ -16,6 +16,7 @@ from lagc.kernels.verification.quantity_errors import (
     BLOCK,
     FINER_SERIES,
     compare_quantities,
+    count_near,
     measure_roundoff,
     measure_terms,
     state_quantities,
@@ -56,6 +57,8 @@ def begin_attempt(p: Params, x0: Vec[NX], begin_time: Real, o: Options, r: Repor
     v.high[:] = v.of_run
     for i in range(NQUANTITY):
         v.gap[i] = 0.0
+        v.near[i] = 0.0
+        v.apart[i] = 0.0
         v.scale[i] = 0.0
         v.terms[i] = 0.0
         v.wider_change[i] = 0.0
@@ -94,7 +97,8 @@ def record_times(p: Params, times: Vec[Any], n: Length, o: Options, states: Rows
         if failed(status):
             return status
         if NY > 0:
-            fn_observe(p, times[r.done], states[r.done], outputs[r.done], v.run_work)
+            if present(outputs):
+                fn_observe(p, times[r.done], states[r.done], outputs[r.done], v.run_work)
         r.done += 1
     return OK
 
@@ -178,14 +182,16 @@ def compare_recorded(p: Params, times: Vec[Any], o: Options, states: Rows[NX], o
             if NMODE > 0:
                 v.check_work.modes[:] = v.check.modes_old
             state_quantities(v.p, t, v.x, v.of_check, v.check_work)
+            v.of_run[:] = v.of_check  # outputs that are not asked for have no error here
             for i in range(NQ + NV):
                 v.of_run[i] = states[v.checked][i]
             if NY > 0:
-                for i in range(NY):
-                    v.of_run[NQ + NV + i] = outputs[v.checked][i]
+                if present(outputs):
+                    for i in range(NY):
+                        v.of_run[NQ + NV + i] = outputs[v.checked][i]
             for i in range(NDISC):
                 v.of_run[NQ + NV + NY + i] = states[v.checked][NINT + i]
-            compare_quantities(v)
+            compare_quantities(True, v)
         v.checked += 1
     return OK
 
@@ -257,7 +263,7 @@ def compare_ends(p: Params, ended: Status, r: Report, v: Verification) -> None:
             return
     state_quantities(p, v.run.t, v.run.x, v.of_run, v.run_work)
     state_quantities(v.p, v.check.t, v.check.x, v.of_check, v.check_work)
-    compare_quantities(v)
+    compare_quantities(True, v)
 
 
 def check_block(p: Params, times: Vec[Any], n: Length, ended: Status, o: Options, states: Rows[NX],
@@ -265,6 +271,9 @@ def check_block(p: Params, times: Vec[Any], n: Length, ended: Status, o: Options
     """Let the check follow the steps of the run since the last comparison, and compare.  Where a clause has
     ended the run, it ends the check too, at another time, and both ends are compared."""
     last = v.steps_done
+    recorded = v.checked
+    for i in range(NQUANTITY):
+        v.near[i] = 0.0
     final = ended == TERMINATED or not v.run.t < times[n - 1]
     for m in range(last + 1):
         target = v.run.t if m == last else v.check_times[m]
@@ -288,7 +297,9 @@ def check_block(p: Params, times: Vec[Any], n: Length, ended: Status, o: Options
             else:
                 v.of_run[:] = v.before[m]
             state_quantities(v.p, target, v.check.x, v.of_check, v.check_work)
-            compare_quantities(v)
+            compare_quantities(False, v)
+    if v.checked > recorded or final:
+        count_near(v)
     v.steps_done = 0
     v.block_times[0] = v.run.t
     for i in range(NQ + NV):

@@ -13,6 +13,7 @@ from lagc.kernels.integrators.roundoff import perturb_inputs
 from lagc.kernels.language.vocabulary import *
 
 BLOCK = 5  # steps of the run between two comparisons; the check makes one more
+NEAR_PART = 0.1  # part of the largest difference near a time that counts there
 SAFETY = 1.2  # of the estimated error
 FINE_SAFETY = 2.0  # near the finest tolerance, where the difference is one sample of round-off
 FINE = by_type(2e-5, 2e-14, "2e-30")  # tolerance below which round-off is a large part of errors
@@ -42,9 +43,10 @@ def state_quantities(p: Params, t: Real, x: Vec[NX], y: Vec[NQUANTITY], w: Work)
         y[NQ + NV + NY + i] = x[NINT + i]
 
 
-def compare_quantities(v: Verification) -> None:
-    """Enlarge the gaps to the differences of the two runs, and the ranges to the values of the run. Values
-    of outputs that are not finite are left out."""
+def compare_quantities(delivered: bool, v: Verification) -> None:
+    """Enlarge the ranges to the values of the run, and the gaps to the differences of the two runs: those of
+    the block and of the whole motion, and where this time is delivered, those that count. Values of outputs
+    that are not finite are left out."""
     if NZ > 0:
         gap = fabs(v.run.x[NQ + NV] - v.check.x[NQ + NV])
         if v.run.t == v.check.t and gap > v.work_error:
@@ -53,12 +55,24 @@ def compare_quantities(v: Verification) -> None:
         gap = fabs(v.of_run[i] - v.of_check[i])
         if not gap - gap == 0.0:
             continue
-        if gap > v.gap[i]:
+        if gap > v.near[i]:
+            v.near[i] = gap
+        if gap > v.apart[i]:
+            v.apart[i] = gap
+        if delivered and gap > v.gap[i]:
             v.gap[i] = gap
         if v.of_run[i] < v.low[i]:
             v.low[i] = v.of_run[i]
         if v.of_run[i] > v.high[i]:
             v.high[i] = v.of_run[i]
+
+
+def count_near(v: Verification) -> None:
+    """Count a part of the differences of a block with a time that is delivered: where the error of a quantity
+    passes zero there, another one of it tells how well the estimate knows that."""
+    for i in range(NQUANTITY):
+        if NEAR_PART * v.near[i] > v.gap[i]:
+            v.gap[i] = NEAR_PART * v.near[i]
 
 
 def observe_offset(p: Params, offset: Real, v: Verification) -> None:
@@ -176,14 +190,15 @@ def scale_of(i: Size, group: Real, accuracy: Real, underway: bool, scales: Vec[N
     if present(scales):
         if scales[i] > 0.0:
             return scales[i]
-    if largest == 0.0 and v.gap[i] == 0.0:
+    if largest == 0.0 and v.apart[i] == 0.0:
         return 0.0
     if NY > 0:
         # Round-off alone: values are as small as the changes, which do not grow with those of the state.
         random = AT_RANDOM * OFFSET * v.terms[i]
         if i >= NQ + NV and i < NQ + NV + NY and largest <= random and v.wider_change[i] <= random:
+            v.constant[i] = 3
             return 0.0
-    by_chance = scale <= BY_CHANCE * v.gap[i] or scale <= SPACING * group
+    by_chance = scale <= BY_CHANCE * v.apart[i] or scale <= SPACING * group
     if scale <= CONSTANT * size or (scale <= SURELY_MOVES * size and by_chance):
         scale = group if largest <= noise else size
         v.constant[i] = 1
@@ -194,11 +209,11 @@ def scale_of(i: Size, group: Real, accuracy: Real, underway: bool, scales: Vec[N
     # Round-off alone moves this state, or keeps it, beside others of its group, from the accuracy.
     roundoff = roundoff_of(i, v)
     if i < NQ + NV:
-        if largest > BY_CHANCE * v.gap[i]:
+        if largest > BY_CHANCE * v.apart[i]:
             v.known[i] = 1
         elif v.known[i] == 0 and v.tolerance <= FINE and largest > roundoff:
             roundoff = largest
-        if fabs(v.start[i]) <= BY_CHANCE * v.gap[i] and largest <= roundoff and group <= roundoff:
+        if fabs(v.start[i]) <= BY_CHANCE * v.apart[i] and largest <= roundoff and group <= roundoff:
             v.constant[i] = 0
             return 0.0
     if group > scale and largest < SMALL * group and roundoff > accuracy * scale:
@@ -212,7 +227,8 @@ def scale_of(i: Size, group: Real, accuracy: Real, underway: bool, scales: Vec[N
 def estimate_errors(scales: Vec[NQUANTITY], accuracy: Real, method: int, underway: bool,
                     v: Verification) -> Real:  # fmt: skip
     """Set errors and scales of the quantities from what was compared so far; return the largest error over
-    scale. That of the times of jumps is relative to the time of the run."""
+    scale, of a run that is underway as if it ended here. That of the times of jumps is relative to the time
+    of the run."""
     events: Count = 0
     if NMODE > 0:
         events = v.run.changes
@@ -228,7 +244,8 @@ def estimate_errors(scales: Vec[NQUANTITY], accuracy: Real, method: int, underwa
         v.scale[i] = scale
         if scale > 2.0 * before:
             v.set_out_time = v.run.t
-        v.error[i] = margin * v.gap[i]
+        gap = v.near[i] if underway and v.near[i] > v.gap[i] else v.gap[i]
+        v.error[i] = margin * gap
         if i < NQ + NV + NY:
             v.error[i] += SPACING * v.size[i]
         if i < NQ + NV:

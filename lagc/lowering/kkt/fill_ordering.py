@@ -64,7 +64,7 @@ class Structure:
 
     @property
     def ties(self) -> Iterator[tuple[int, int]]:
-        """Each velocity that is kept, with the multiplier of its definition."""
+        """Yield each velocity that is kept, with the multiplier of its definition."""
         return zip(self.kept, range(self.moving, self.unknowns))
 
 

@@ -108,7 +108,7 @@ class ContactRow:
 
     @property
     def nodes(self) -> list[Node]:
-        """All that it is made of but its gradient."""
+        """Return what the contact is made of, without its gradient."""
         slips = [node for slip in self.slips for node in (slip.rate, slip.bias)]
         return [self.gap, self.rate, self.bias, self.restitution, *slips, *self.frictions, *self.normals]
 

@@ -79,6 +79,7 @@ def _draw(
     for variable in model.discretes:
         start = evaluate([variable.start], state)[0]
         state[variable.symbol] = float(chance.draw() > 0.0) if variable.boolean else start + chance.draw()
+    # Start values may depend on parameters, and on nothing that moves.
     starts: dict[Node, float] = dict(state)
     state[model.time] = 0.5 + 0.4 * chance.draw()
     for c in model.coordinates:

@@ -82,7 +82,7 @@ class Comparison:
 
 
 class Branches:
-    """Those of `nodes`, which hold no abs, sign, min, max; `values` are those of the parameters."""
+    """The branches of `nodes`, which hold no abs, sign, min, max; `values` are those of the parameters."""
 
     def __init__(self, graph: Graph, nodes: Sequence[Node], values: Mapping[Node, float]):
         self._graph, self._values = graph, values

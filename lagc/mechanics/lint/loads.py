@@ -78,6 +78,7 @@ def motionless_system(equations: EquationsOfMotion) -> list[Fault]:
         or stated or not reset.isdisjoint(v) or not model.coordinates
     ):  # fmt: skip
         return []
+    # At rest no force acts, no coordinate moves, and time moves no place: then it stays so.
     forces = map(equations.graph.sub, equations.given_forces, equations.bias_forces)
     at_rest = substitute(equations.graph, [*forces, *equations.qdot], dict.fromkeys(v, zero))
     axes = [x for body in model.bodies if body.frame for row in body.frame.axes for x in row]

@@ -153,7 +153,7 @@ class Break:
 
     @property
     def conditions(self) -> tuple[Node, Node]:
-        """Two conditions: whenever the relation changes, one of them becomes true."""
+        """Return two conditions: whenever the relation changes, one of them becomes true."""
         node, graph = self.relation, self.relation.graph
         if node.op in _COUNTING:
             half = graph.const(0.5)

@@ -91,7 +91,7 @@ class Collector:
         return Sum(tuple(terms))
 
     def factored(self, p: Polynomial) -> Sum:
-        """As `collect`, with a number that all terms share before one pair of parentheses."""
+        """Return `collect(p)`, with a number that all terms share before one pair of parentheses."""
         c = self.algebra.content(p)[0]
         if len(p) < 2 or abs(c) == 1:
             return self.collect(p)
@@ -134,7 +134,7 @@ class Collector:
         return Product(c, (*before, *sums, (Sum(tuple(terms)), 1), *after))
 
     def _before_and_after(self, factors: Sequence[tuple[int, Exponent]]) -> tuple[Monomial, Monomial]:
-        """Those that stand before a sum, and those after it."""
+        """Return the factors that stand before a sum, and those that stand after it."""
         ordered = sorted(factors, key=self._factor_key)
         plain = [self._is_plain(a) for a, _ in ordered]
         return (
@@ -218,7 +218,8 @@ class Collector:
         return all(isinstance(f, Sum) or f in self.parameters for f, _ in product.factors)
 
     def _factor_key(self, factor: tuple[int, Exponent]) -> tuple[int, int]:
-        """In a product: parameters, coordinates, functions, rates, then accelerations, multipliers."""
+        """Return the place of a factor in a product: parameters, coordinates, functions, rates, then
+        accelerations and multipliers."""
         atom, _ = factor
         if atom in self._first or atom in self._last:
             return (4, atom)
@@ -227,7 +228,8 @@ class Collector:
         return (0 if atom in self.parameters else 3 if atom in self.rates else 1, atom)
 
     def _term_key(self, monomial: Monomial) -> tuple[object, ...]:
-        """In a sum: accelerations, then high degree in the rates, then the order of the symbols."""
+        """Return the place of a term in a sum: accelerations, then high degree in the rates, then the order
+        of the symbols."""
         head = min([a for a, _ in monomial if a in self._first], default=len(self.algebra.atoms) + 1)
         last = min([a for a, _ in monomial if a in self._last], default=-1)
         degree = sum([e for a, e in monomial if a in self.rates])

@@ -87,7 +87,7 @@ class Algebra:
         return [settled(self._done[node]) for node in nodes]
 
     def _parts(self, node: Node) -> Parts:
-        """Those of a sum that would be long; none of anything else."""
+        """Return the parts of a sum that would be long; of anything else none."""
         if node.op == "add":
             lengths = [LONG if a in self._sums else len(self._done[a]) for a in node.args]
             return [(a, constant(Fraction(1))) for a in node.args] if sum(lengths) > LONG else []

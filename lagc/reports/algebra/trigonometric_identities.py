@@ -133,6 +133,7 @@ def _difference(
     same = c == d
     a, b = algebra.atoms[first], algebra.atoms[second]
     u, w = dict(a.args[0]), dict(b.args[0])
+    # The two products, without sines and cosines, have the same factor up to its sign.
     rest = {_exchange(monomial, [(first, -1), (second, -1)]): c}
     minus = algebra.add(u, scaled(w, Fraction(-1)))
     plus = algebra.add(u, w)

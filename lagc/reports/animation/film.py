@@ -142,6 +142,7 @@ class Drawing:
             )
             shape = figure.shape if axis is None else {**figure.shape, "axis": axis[:, self.i].tolist()}
             self._figure(GREY, self.frames.p[figure.place, :, self.i], np.eye(3), shape)
+        # Bodies, figures and links enter `parts` with their depth; marks lie above all of them.
         for link in (*self.scene.links, *self.scene.springs):
             self._link(link)
         for _, put in sorted(self.parts, key=lambda part: part[0]):

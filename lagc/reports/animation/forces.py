@@ -65,6 +65,7 @@ def reaction_texts(scene: Scene) -> dict[str, tuple[str, str]]:
     body) and its label or name."""
     model, found = scene.model, {}
     joints = {joint.name for joint in model.joints}
+    # Rows that are geometry have a direction; then joints, then the sum of all that holds a particle.
     for contact in model.contacts:
         if contact.unit == "m" and not contact.normals and contact.label in scene.rows.known:
             found[f"reaction({contact.name}){contact.label.removeprefix(contact.name)}"] = (
@@ -112,6 +113,7 @@ def _friction(scene: Scene, frames: Frames, evaluate: Evaluate) -> Iterator[Arro
     model, asked = scene.model, dict[str, tuple[str, Row]]()
     held = [row.places for row in scene.rows.known.values()]
     for contact in model.contacts if not model.constraints and not model.joints else ():
+        # The reaction of the body is normal force and friction together if this contact alone holds it.
         row = scene.rows.known.get(contact.label)
         if row is None or row.kind != "plane" or not contact.slip or held.count(row.places) > 1:
             continue

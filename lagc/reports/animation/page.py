@@ -44,6 +44,7 @@ def page_data(shown: Shown) -> dict[str, Any]:
         if place is not None:
             joints.append({"name": joint.name, "kind": joint.kind, "place": place,
                            "axis": _axis(channels, frames, joint.axis)})  # fmt: skip
+    # A page carries the channels of the places that it draws; the others are null, so that indices stay.
     used = _used(shown, [joint["place"] for joint in joints])
     data = scene.as_data()
     for figure, record in zip(scene.figures, data["figures"]):
@@ -220,6 +221,7 @@ def panels(shown: Shown, channels: Channels) -> list[dict[str, Any]]:
     run, model, found = shown.run, shown.scene.model, list[dict[str, Any]]()
     described = {x.name: x.description for x in (*model.coordinates, *model.outputs, *model.parameters)}
     units, known = run.units, scales(run)
+    # A panel for each unit, then the two errors of the run, folded: energy and constraints.
     for unit, names in by_unit(run, shown_names(run)).items():
         factor = 180.0 / math.pi if "deg" in unit and not unit.startswith("orientation") else 1.0
         columns = [

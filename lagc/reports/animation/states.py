@@ -137,6 +137,7 @@ def random_configurations(model: Model, run: Solution) -> dict[Node, Any]:
             given.update(zip(c.symbols, q / np.linalg.norm(q, axis=0)))
             given.update((s, _drawn(lambda: chance.gauss(0.0, 1.0))) for s in c.rate_symbols)
             i += 4
+    # Declared speeds and discrete variables move no place.
     zero = [*(s.symbol for s in model.speeds), *(d.symbol for d in model.discretes)]
     given.update(dict.fromkeys(zero, np.zeros(SAMPLES)))
     return given

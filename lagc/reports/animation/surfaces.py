@@ -70,6 +70,8 @@ def read_rows(sample: Sample, distances: Distances) -> Rows:
     ]
     asked: list[tuple[str, Constraint | Contact, Node]] = [*written]
     asked += [(c.label, c, c.gap) for c in sample.model.contacts if not c.normals]
+    # Each residual is compared with the places that move: a plane first, since a plane is a sphere of
+    # infinite radius, and a distance before a sphere, which it is for a fixed place.
     moving = [i for i in sample.known if sample.moves(i) and np.isfinite(sample.x[i]).all()]
     by_constraint: dict[str, list[Row]] = {}
     for (label, c, node), r in zip(asked, sample.values([node for *_, node in asked]) if asked else ()):
@@ -82,6 +84,7 @@ def read_rows(sample: Sample, distances: Distances) -> Rows:
         found = replace(found, name=label, one_sided=isinstance(c, Contact))
         rows.known[label] = found
         by_constraint.setdefault(c.name, []).append(found)
+    # Planes of one constraint that meet in a point or a line are a pin or a rail, not surfaces.
     for name, group in by_constraint.items():
         pin = _pin(sample, name, group)
         if pin is not None:
@@ -179,6 +182,7 @@ def _sort(sample: Sample, rows: Rows, row: Row) -> None:
         else:
             rows.surfaces[same] = replace(rows.surfaces[same], places=rows.surfaces[same].places + row.places)
         return
+    # A gap grows with its slope times the distance: a negative slope bounds the distance from above.
     fixed = [i for i in row.places if not sample.moves(i)]
     if not row.one_sided or row.slope < 0.0:
         kind = "string" if row.one_sided else "rod"

@@ -26,6 +26,8 @@ def write_actions(draft: Draft) -> None:
     draft.heading("h_actions")
     if not draft.model.actions:
         draft.paragraph("no_actions")
+    # A term of the Lagrangian is kinetic, holds rates (then Q_j is its Euler-Lagrange expression), or is a
+    # potential.
     with_rates = {x.name for x in draft.rates.free_terms}
     for action, term in zip(draft.model.actions, draft.rates.given_terms):
         name = bold(action.name)
@@ -81,6 +83,7 @@ def _write_weights(draft: Draft, action: Potential, strength: Node, direction: S
 def _write_load(draft: Draft, action: Force | Torque, term: Term) -> None:
     """Write the torsor of a force at its point, or of a couple, its virtual power and its Q_j."""
     rates, name = draft.rates, action.name
+    # A load that holds a constraint is its vector times a multiplier.
     factor = rates.actuators.get(name, draft.graph.one)
     vector = draft.vector([factor * x for x in rates.in_rates(action.vector)], name)
     if isinstance(action, Force):
@@ -131,6 +134,8 @@ def write_forces(draft: Draft) -> None:
     rows, symbol = draft.equations.rows, draft.writer.symbol
     draft.heading("h_forces")
     draft.paragraph("implicit_perfect", math(r"\tilde Q_j = 0"))
+    # Several perfect constraints are a table of a_kj where that is no wider than a page, else a paragraph
+    # each.
     terms = {term.name: term for term in draft.rates.reactions if term.kind == "perfect"}
     table = _table(draft, [row for row in rows if row.law is Law.PERFECT])
     if table is not None:
@@ -178,6 +183,7 @@ def _laws(draft: Draft, contact: ContactRow) -> list[tuple[str, str]]:
     if not contact.slips:
         gap = writer.text(contact.gap, f"gap of {contact.label}")
         return [(say("open"), rf"{gap} > 0,\ {push} = 0"), (say("closed"), rf"{gap} = 0,\ {push} \ge 0")]
+    # |F| <= mu_s N while it sticks, F = -mu N u/|u| while it slips; in one direction |F| and sgn u.
     speeds = [writer.symbol(speed) for speed in slip_speeds(contact)]
     forces = [writer.symbol(slip.force) for slip in contact.slips]
     sliding, sticking = (

@@ -140,6 +140,7 @@ def with_motion(found: Derivation, run: Solution) -> Derivation:
         blocks += [say(title), Table((("", say("value"), say("unit")), *rows))]
     end = f"{run.times[-1]:.6g} s"
     blocks.append(say("stopped", end, run.message) if run.status == "failed" else say("simulated", end))
+    # Without a date the same run gives the same bytes.
     figure, pdf = plot(run), BytesIO()
     with styled():
         figure.savefig(pdf, format="pdf", metadata={"CreationDate": None})

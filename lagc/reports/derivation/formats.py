@@ -107,6 +107,7 @@ def to_pdf(latex: str, pictures: Mapping[str, bytes]) -> bytes:
     if program is None:
         known = ", ".join(PROGRAMS)
         raise NoLatex(f"a PDF needs a LaTeX: none of {known} is installed; write .tex or .html instead")
+    # The program may not run others, nor ask; its first error is the reason that is given.
     options = [] if program == "tectonic" else ["-interaction=nonstopmode", "-no-shell-escape"]
     said = ["! no PDF was made"]
     with scratch() as folder:

@@ -11,6 +11,7 @@ from lagc.reports.equations.latex import GREEK
 
 _STYLE = """
 body { font: 17px/1.5 Georgia, serif; max-width: 46em; margin: 1.5em auto; padding: 0 1em; color: #1b1b1b }
+math { font-family: "Latin Modern Math", "STIX Two Math", "Cambria Math", "DejaVu Math TeX Gyre", math }
 summary { font-size: 1.25em; font-weight: bold; margin: 1.1em 0 .4em; cursor: pointer }
 h1 { font-size: 1.6em } h3 { margin: 1.2em 0 .2em } table { border-collapse: collapse; margin: .6em 0 }
 td, th { padding: .2em .8em; border-bottom: 1px solid #ccc; text-align: left }

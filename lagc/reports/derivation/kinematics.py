@@ -33,6 +33,8 @@ def write_kinematics(draft: Draft) -> None:
         accelerations.append(Row(rf"\vec{{a}}({point})", lines))
     frames = _frames_in_use(draft)
     spins = [Row(draft.omega(f), rotation(draft, f)) for f in frames]
+    # Velocities of bodies are those of the model, which drives may move; those of other points follow from
+    # places.
     for rows, title in (
         (_unit_vector_rows(draft, frames), "bases"),  # last, when those in use are known
         (positions, "positions"),
@@ -137,6 +139,8 @@ def write_virtual_velocities(draft: Draft) -> None:
         rows[draft.omega(frame, "^*")] = Row(draft.omega(frame, "^*"), rotation(draft, frame, rates.virtual))
     if rows:
         draft.formula(*rows.values())
+    # Virtual velocities are taken at fixed time: the share of drives is left out, and named where there is
+    # one.
     drives = rates.declared.at_rest([x for body in model.bodies for x in body.velocity])
     if not all(map(writer.is_zero, drives)):
         draft.paragraph("drives_stay")

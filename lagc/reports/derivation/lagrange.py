@@ -129,6 +129,7 @@ def _write_mode(draft: Draft, mode: Mode) -> dict[str, str]:
     """Write the equations of a mode; return the short names in them, each with the one of the model."""
     found = page(mode.equations, draft.full, mode.laws)
     writer = LatexWriter(found.names, found.ruled)
+    # Long lines are broken at their terms, unless they follow rules, which stay as they are.
     rows: dict[str, list[Row]] = {"": [], "impact": [], "event": []}
     motion = 0
     for kind, group in found.by_kind():
@@ -188,6 +189,7 @@ def write_lagrangian(draft: Draft) -> None:
         draft.paragraph("not_lagrangian", ", ".join(reasons))
         return
     draft.paragraph("all_derive")
+    # L takes the place of K: the derivatives of U by the rates vanish, those by the coordinates join dK/dq.
     U = -equations.potential
     draft.formula(Row("L", draft.writer.lines(draft.kinetic + U, "L", of=rates.kinetic + U)))
     found = []

@@ -124,6 +124,7 @@ def write_reactions(draft: Draft) -> None:
 def _modes(draft: Draft) -> list[tuple[str, list[Held]]]:
     """Return the rows that hold in each mode of the model; none where M is not diagonal."""
     equations, say = draft.equations, draft.say
+    # By hand M^-1 is written where M is diagonal, and for one contact, whose modes are few.
     diagonal = all(i == j for i, j in equations.mass_matrix) and len(equations.mass_matrix) == len(
         equations.v
     )
@@ -143,6 +144,8 @@ def _modes(draft: Draft) -> list[tuple[str, list[Held]]]:
     (slip,), (speed,) = contact.slips, slip_speeds(contact)
     if speed != slip.rate:
         draft.writer.meanings.setdefault(speed, slip.rate)
+    # While it slips, friction is -mu sgn(u) times the normal force, so one unknown acts along both
+    # directions.
     along, friction = dict(contact.jacobian), -(contact.frictions[0] * draft.graph.unary("sign", speed))
     for j, slope in slip.jacobian.items():
         along[j] = along.get(j, draft.graph.zero) + friction * slope

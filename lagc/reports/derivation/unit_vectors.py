@@ -93,6 +93,8 @@ class UnitVectors:
         """Return the angles A, with signed axes s and c, for which a vector has a part
         k (s sin A + c cos A)."""
         parts = [self._split(p) for p in self._polynomials(vector)]
+        # A turn in a plane of the world: the sine stands in one component alone, the cosine in another one,
+        # with equal factors.
         tables = [x[0] for x in parts if x is not None]
         if len(tables) < 3:
             return []

@@ -170,7 +170,7 @@ class Formulas:
 def everything(
     equations: EquationsOfMotion, collector: Collector, motion: Sequence[Formula], laws: Sequence[Law] = ()
 ) -> list[Formula]:
-    """All formulas, with those of `motion`."""
+    """Return all formulas; `motion` are the equations of motion among them."""
     return [
         *_kinematic(equations, collector),
         *motion,
@@ -239,7 +239,8 @@ def collector_of(kinds: SymbolKinds, algebra: Algebra, within: Sequence[Node] | 
 
 
 def with_long_sums(equations: EquationsOfMotion, collector: Collector, formulas: list[Formula]) -> Formulas:
-    """With a symbol for each long sum under a root or below a line that is written twice or more."""
+    """Return the formulas with a symbol for each long sum, under a root or in a denominator, that is written
+    twice or more."""
     algebra = collector.algebra
     # How often each atom is written: an atom that is met again brings its arguments once.
     times: dict[int, int] = {}
@@ -352,7 +353,7 @@ def _events(equations: EquationsOfMotion, collector: Collector) -> list[Formula]
 
 
 def _roots(equations: EquationsOfMotion, laws: Sequence[Law]) -> list[Node]:
-    """Of what the formulas are made."""
+    """Return the expressions that the formulas are made of."""
     return [
         *equations.qdot,
         *[entry for row in equations.mass_rows(range(len(equations.v))) for entry in row.values()],
@@ -364,7 +365,7 @@ def _roots(equations: EquationsOfMotion, laws: Sequence[Law]) -> list[Node]:
 
 
 def conditions(equations: EquationsOfMotion, laws: Sequence[Law]) -> list[Node]:
-    """Of what the formulas of constraints, contacts and events are made."""
+    """Return the expressions that the formulas of constraints, contacts and events are made of."""
     events = [node for when in equations.whens for pair in when.changes for node in pair]
     held = [node for law in laws for node in (law.left, law.right)]
     return [*[row.residual for row in equations.rows], *held, *events]

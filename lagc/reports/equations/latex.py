@@ -32,7 +32,7 @@ DOTS = ("", r"\dot", r"\ddot")
 
 
 def equations_latex(equations: EquationsOfMotion) -> str:
-    """For a notebook: the equations as one displayed block, some where they are many."""
+    """Return the equations as one displayed block for a notebook; of many equations some."""
     return f"$$\n\\begin{{aligned}}\n{_aligned(equations)}\n\\end{{aligned}}\n$$"
 
 
@@ -187,7 +187,7 @@ def _unnatural(name: str) -> tuple[bool, int, str]:
 
 
 def _turning(record: Leaf, owner: str) -> str:
-    """Of a body rate: `omega_top_x`."""
+    """Return the word of a body rate, `omega_top_x`."""
     owner = re.sub(r"[^\w +*-]+", "_", owner).strip("_")
     return f"omega_{owner}_{record.component}"
 
@@ -236,7 +236,7 @@ def _is_short(text: str) -> bool:
 
 
 def _bare(text: str) -> str:
-    """Without the parentheses that a fraction makes needless."""
+    """Return a formula without the outer parentheses, which a fraction makes needless."""
     if not (text.startswith(r"\left(") and text.endswith(r"\right)")):
         return text
     inside = text[len(r"\left(") : -len(r"\right)")]

@@ -46,6 +46,7 @@ class Mode:
 def modes(equations: EquationsOfMotion) -> list[Mode]:
     """Return the equations of open contacts, with the friction of two-sided ones, then those of the modes in
     which contacts touch."""
+    # Two-sided contacts touch in all modes; those that open have one mode without forces.
     free = [contact for contact in equations.contacts if not contact.normals]
     rough = [contact for contact in equations.contacts if contact.normals]
     laws = [Law("contact", contact.label, contact.gap, equations.graph.zero) for contact in free]
@@ -64,6 +65,7 @@ def modes(equations: EquationsOfMotion) -> list[Mode]:
                 tuple(every),
             )
         ]
+    # At an impact impulses act as the forces do, so its law stands with the last mode of contacts.
     impacts = [_impact(contact) for contact in free]
     touching[-1] = replace(touching[-1], laws=(*touching[-1].laws, *impacts))
     return found + [replace(mode, equations=replace(mode.equations, whens=())) for mode in touching]

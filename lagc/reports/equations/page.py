@@ -115,7 +115,7 @@ def in_parts(equations: EquationsOfMotion, nodes: Sequence[Node]) -> Page:
 
 
 def _ruled(equations: EquationsOfMotion, found: Formulas) -> Page:
-    """With what follows a rule written once."""
+    """Return the page on which formulas that follow a rule are written once."""
     shown, parts = _shown(equations), found.named
     if parts:
         shown |= {node: Name(f"part[{k}]", f"part[{k}]") for k, node in enumerate(parts)}
@@ -127,7 +127,8 @@ def _ruled(equations: EquationsOfMotion, found: Formulas) -> Page:
 
 
 def _in_sums(equations: EquationsOfMotion, motion: Sequence[Node], laws: Sequence[Law]) -> Formulas:
-    """Multiplied out.  Raises TooLarge where the first tells that this is no good, or one is too long."""
+    """Return the formulas multiplied out.  Raises TooLarge if one is too long, or if the first equation is so
+    long that all of them would be."""
     _try_sum(equations, motion)
     algebra = ShortAlgebra(nonnegative(equations))
     collector = collector_of(SymbolKinds(equations), algebra)
@@ -155,7 +156,7 @@ def _try_sum(equations: EquationsOfMotion, motion: Sequence[Node]) -> None:
 
 
 def _in_parts(equations: EquationsOfMotion, motion: Sequence[Node], laws: Sequence[Law]) -> Formulas:
-    """With names for what is shared."""
+    """Return the formulas with names for shared parts."""
     roots = [*equations.qdot, *motion, *conditions(equations, laws)]
     algebra = SharedAlgebra(equations.graph, shared(roots), nonnegative(equations))
     collector = collector_of(SymbolKinds(equations), algebra)

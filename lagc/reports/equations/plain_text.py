@@ -122,7 +122,8 @@ class TextWriter:
         return self.decimal(written), "1"
 
     def _counting(self, c: Linear) -> tuple[str, str]:
-        """Whole numbers in parentheses, what they share before them."""
+        """Return a coefficient that counts: integers in parentheses behind their common factor, over a
+        number."""
         numbers = [Fraction(x) for x in (c.constant, *[slope for _, slope in c.slopes])]
         unit = number_content([x for x in numbers if x])
         whole = Linear(numbers[0] / unit, tuple([(k, x / unit) for (k, _), x in zip(c.slopes, numbers[1:])]))
@@ -132,7 +133,7 @@ class TextWriter:
         return (text if top == "1" else f"{top}{self.times}{text}"), bottom
 
     def number(self, number: Number) -> str:
-        """In an index, or the bound of a sum: `k + 1`, `13 - k`."""
+        """Return a number of an index, or of the bound of a sum: `k + 1`, `13 - k`."""
         if not isinstance(number, Linear):
             return str(number)
         parts = [

@@ -48,6 +48,7 @@ def write_script(equations: EquationsOfMotion, modes: Sequence[tuple[str, Page]]
     dict `modes` has lists of equations and conditions by the titles of modes, `impacts` pairs of what changes
     and its new value, `laws` the laws of two-sided contacts."""
     _, found = modes[0]
+    # Symbols are declared once, for the equations of open contacts and for those of all modes.
     declared = _declared(equations, found.names)
     parts = _parts(found) if found.ruled else []
     declared += [(name, "Function", "", "") for name in parts if indices(name)]
@@ -138,7 +139,7 @@ class Clause:
 
 
 def _clauses(lines: Sequence[Line]) -> list[Clause]:
-    """Each whole: rules that take a clause apart are written out."""
+    """Return the clauses. Rules that take a clause apart are written out first."""
     every = [line for each in lines for line in all_of(each)]
     found = _by_clause(lines)
     several = sum([len({line.clause for each in one.lines for line in all_of(each)}) for one in found])
@@ -146,7 +147,7 @@ def _clauses(lines: Sequence[Line]) -> list[Clause]:
 
 
 def _by_clause(lines: Sequence[Line]) -> list[Clause]:
-    """Those that say the same number, which may follow counters."""
+    """Return the clauses by their number, which may follow counters."""
     found: dict[Hashable, Clause] = {}
     for line in lines:
         slopes = line.clause.slopes if isinstance(line.clause, Linear) else ()
@@ -157,7 +158,7 @@ def _by_clause(lines: Sequence[Line]) -> list[Clause]:
 
 
 def _plain(text: str) -> str:
-    """On one line, so that it stays inside a comment."""
+    """Return a text on one line, so that it stays inside a comment."""
     return " ".join(text.split())
 
 
@@ -172,7 +173,7 @@ def _parts(found: Page) -> list[str]:
 
 
 def _unindexed(names: list[str]) -> list[str]:
-    """One declaration of all: they are identifiers."""
+    """Return one declaration of all names, which are identifiers."""
     if not names:
         return []
     return [f"{', '.join(names)}, = [sympy.Function(name, real=True)(t) for name in {names}]"]
@@ -231,6 +232,7 @@ def _declarations(declared: Sequence[Declared], writer: ScriptWriter) -> list[st
     if not writer.ruled:
         return [_declaration(writer.variables[name], repr(name), *how) for name, *how in declared]
     nothing, lines, begun = Total(()), [], set[str]()
+    # Declarations of families are lines too, whose rules make dicts by index.
     as_lines = [
         Line(
             "\n".join([how, unit, _plain(INDEX.sub("", description))]), name, indices(name), nothing, nothing
@@ -283,7 +285,7 @@ class ScriptWriter(TextWriter):
         self.variables, self.ruled, self.taken = variables, found.ruled, found.taken
 
     def equation(self, line: Line) -> str:
-        """As an entry of a list."""
+        """Return an equation as an entry of a list."""
         condition = "" if line.condition is None else self.total(line.condition)
         relation = self.relations.get(line.kind, self.relations["="])
         equation = relation.format(self.total(line.left), self.total(line.right), condition)
@@ -316,7 +318,7 @@ class ScriptWriter(TextWriter):
         return super().quotient(top, over, bottom, under)
 
     def decimal(self, written: str) -> str:
-        """In quotes where no double is as large or as small."""
+        """Return a number; one that no double holds is a text in quotes."""
         return f"sympy.Float({written})" if 0.0 < float(written) < inf else f"sympy.Float({written!r})"
 
     def root(self, text: str) -> str:
@@ -389,6 +391,8 @@ def matrices(equations: EquationsOfMotion) -> Matrices:
     from lagc.symbolic.sympy import to_sympy
 
     zero, nv, nc = equations.graph.zero, len(equations.v), len(equations.rows)
+    # M is symmetric, and kept by its lower half. All expressions are changed at once, so that shared parts
+    # are.
     pairs = [(max(i, j), min(i, j)) for i in range(nv) for j in range(nv)]
     parts = [
         list(equations.q),

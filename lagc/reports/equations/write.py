@@ -123,7 +123,7 @@ class Expressions:
         return ""
 
     def texts(self, nodes: Sequence[Node]) -> tuple[list[str], list[str]]:
-        """As `text`; what is too long by rules where it follows such, and lines that say its parts."""
+        """Return `text` of each node, by rules where that is shorter, and lines that define parts of them."""
         short = [self.short(node) for node in nodes]
         long = [k for k, text in enumerate(short) if not text]
         if self.whole or not long:

@@ -192,7 +192,7 @@ def pattern(form: Any, numbers: Numbers) -> Hashable:
 
 
 def value(number: Number, at: Mapping[str, int]) -> Number:
-    """With values for counters."""
+    """Return a number with values for some of its counters."""
     if not isinstance(number, Linear):
         return number
     constant = number.constant + sum([c * at[x] for x, c in number.slopes if x in at])

@@ -68,7 +68,7 @@ def progressions(values: Sequence[Values], strides: int = 1) -> list[list[int]]:
 
 
 def _runs(members: Sequence[int], values: Sequence[Values]) -> list[list[int]]:
-    """As long as may be; those that are long enough."""
+    """Return the runs of members whose numbers change evenly, each as long as possible, of LEAST members."""
     runs: list[list[int]] = []
     run: list[int] = []
     for member in members:
@@ -80,7 +80,8 @@ def _runs(members: Sequence[int], values: Sequence[Values]) -> list[list[int]]:
 
 
 def _goes_on(run: Sequence[int], values: Sequence[Values], found: Values) -> bool:
-    """But for rounding of decimals: of what changes evenly, an end is the largest."""
+    """Return whether numbers continue a run, up to round-off relative to the largest of it, which is at an
+    end."""
     n = len(run)
     for start, second, last, x in zip(values[run[0]], values[run[1]], values[run[-1]], found):
         off = abs(start + n * (second - start) - x)
@@ -90,7 +91,8 @@ def _goes_on(run: Sequence[int], values: Sequence[Values], found: Values) -> boo
 
 
 def rule(values: Sequence[Values], counter: str) -> Rule | None:
-    """Counted by the first index that changes by one, else from 1; None where a number has no short rule."""
+    """Return the rule of numbers, whose counter is the first index that changes by one, or else counts from
+    1; None where a number has no short rule."""
     changes = [b - a for a, b in zip(*values[:2])]
     if not any(changes):
         return None
@@ -137,7 +139,8 @@ def _simple(c: Fraction) -> Fraction:
 
 
 def summed(found: Total, taken: set[str]) -> Total:
-    """With series in the place of terms that follow a rule, within its parts too; `taken` are no counters."""
+    """Return a sum with series for terms that follow a rule, also within its parts. No counter is called as
+    one of the words in `taken`."""
     parts = [_inside(part, taken) for part in found.terms]
     while len(parts) > FEW:
         shorter = _series(parts, taken)
@@ -262,7 +265,8 @@ def _once(lines: Sequence[Line], taken: set[str]) -> list[Line]:
 
 
 def _members_alone(body: Line, counter: str, alone: dict[int, Line], known: dict[int, int]) -> dict[int, int]:
-    """Where lines stand that are as a rule says as well, their sums written out, by what it counts."""
+    """Return the places, by their counter, of single lines that a rule gives as well once its sums are
+    written out, next to members that are known."""
     places: dict[int, int] = {}
     for place, line in alone.items():
         at = None if line.counters else _counts(body, line)
@@ -286,7 +290,7 @@ def _counts(body: Line, line: Line) -> int | None:
 
 
 def _spans(numbers: Sequence[int]) -> list[tuple[int, int]]:
-    """First and last of those that follow one another."""
+    """Return the first and the last number of each range in a sorted list."""
     spans: list[tuple[int, int]] = []
     for k in numbers:
         if spans and spans[-1][1] == k - 1:

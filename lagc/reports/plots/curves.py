@@ -44,7 +44,7 @@ def is_constant(values: Sequence[float], least: float = 0.0) -> bool:
 
 
 def with_corners(solution: Solution) -> Solution:
-    """With the states at events among those that are recorded: curves bend there, or jump."""
+    """Return the run with the states at events among those that are recorded: curves bend there, or jump."""
     last = solution.times[-1] if solution.times else 0.0
     corners = [(t, x) for t, *states in solution.corners if t <= last for x in states]
     points = sorted([*corners, *zip(solution.times, solution.states)], key=lambda point: point[0])

@@ -43,6 +43,7 @@ def _singles(axes: Axes, found: Effects) -> None:
     axes.axvline(1.0, color="#999999", linewidth=0.8, linestyle=":")
     for choice in found.sets:
         axes.axhline(choice.accuracy, color="#cccccc", linewidth=0.8, zorder=0)
+    # Labels of changes within half a decade move apart.
     taken: list[float] = []
     for one in sorted(shown, key=lambda one: -(one.change or 0.0)):
         assert one.change is not None

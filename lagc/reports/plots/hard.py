@@ -27,6 +27,7 @@ def draw(found: Hard, heading: str) -> Figure:
         groups = by_unit(runs[0], shown_names(runs[0])) if runs and len(runs[0].times) > 2 else {}
         shown = list(groups.items())[:MOST_PANELS]
         labels = list(dict.fromkeys(f"{r.case.name}: {f.words}" for r in found.rows for f in r.case.figures))
+        # A line for each figure; the motion is drawn below where a single case is shown.
         height = 0.8 + 0.24 * max(len(labels), 2)
         figure = Figure(figsize=(10.0, height + 2.0 * len(shown) + 0.6), layout="constrained")
         panels = figure.subplots(

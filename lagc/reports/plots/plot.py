@@ -13,7 +13,6 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
-from math import ceil
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -29,6 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lagc.lowering.program import Interface
+    from lagc.simulation.linearization.linear_model import Linear
     from lagc.simulation.solution import Solution
 
 # Okabe, Ito
@@ -95,7 +95,8 @@ def has_display() -> bool:
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """In the style of these pictures, which matplotlib holds for all threads: one at a time."""
+    """Draw in the style of these pictures. matplotlib has one style for all threads, so one draws at a
+    time."""
     with _TURN, _matplotlib().rc_context(STYLE):
         yield
 
@@ -158,7 +159,7 @@ def panels(figure: Figure, count: int, height: float) -> tuple[list[Axes], list[
 
 
 def entitle(figure: Figure, text: str) -> None:
-    """In lines that the figure has room for."""
+    """Write a title, broken into lines that the figure has room for."""
     wide = int(LETTERS * figure.get_size_inches()[0])
     lines = [fill(line, wide) for line in printable(text).splitlines()]
     figure.suptitle("\n".join(lines), fontsize=9, x=0.01, ha="left")
@@ -264,10 +265,6 @@ def _matplotlib() -> Any:
     return matplotlib
 
 
-if TYPE_CHECKING:
-    from lagc.simulation.solution import Solution
-
-
 def solution_html(solution: Solution) -> str:
     """The plot as SVG where matplotlib is installed, else the final values as a table."""
     try:
@@ -285,11 +282,6 @@ def table(solution: Solution) -> str:
     head = "<tr><th>name</th><th>value</th><th>unit</th></tr>"
     return f"<table><caption>{caption}</caption>{head}{body}</table>"
 
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from lagc.simulation.linearization.linear_model import Linear
 
 MOST = 12  # modes of a picture
 LEVEL = 6  # names that stand level below an axis
@@ -334,7 +326,7 @@ def plot_modes(linear: Linear, title: str, path: str | None = None) -> Figure:
             axes[0].set_title("no eigenvalues but 0", fontsize=8, loc="left")
         # Names of coordinates stand below the lowest panels alone: level, slanted, or every second, third,
         # ...
-        every = ceil(nq / NAMED)
+        every = math.ceil(nq / NAMED)
         labels = [f"{name} [{unit}]" if unit else name for name, unit in zip(names, interface.q_units)]
         slanted: dict[str, Any] = {"rotation": 45, "ha": "right", "rotation_mode": "anchor"}
         for axis in lowest:

@@ -32,6 +32,7 @@ def draw(study: Study, heading: str) -> Figure:
             "error made (the largest of all quantities, relative to their ranges)    more exact \u2192"
         )
         axes.set_ylabel("CPU time, ms (least; bars to the median)")
+        # From the back to the front: the front of all settings, lines by method, verified runs, advice.
         _front(axes, study)
         for method, color, mark in zip(METHODS, COLORS, MARKS):
             _method(axes, study, method, color, mark)

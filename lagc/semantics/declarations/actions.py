@@ -236,7 +236,8 @@ def declare_load(context: Context, entry: Entry) -> Value:
 
     # The multipliers of constraints are the only late quantities that a load may depend on: friction.
     def load() -> Vector:
-        vector, found = vector_of(value, source.value.span, f"a {source.kind}")
+        about = None if is_force or not isinstance(value, Scalar) else _about_axis(source, target)
+        vector, found = vector_of(value, source.value.span, f"a {source.kind}", about)
         named = "Force [N]" if is_force else "Torque [N.m]"
         expect_of(source.value, found, meant, f"the {source.kind} `{entry.name}`", named)
         for node in vector:
@@ -261,6 +262,22 @@ def declare_load(context: Context, entry: Entry) -> Value:
         entry.objects.append(torque)
     # The load of this name can be referred to, as by an actuator.
     return Reference(entry)
+
+
+def _about_axis(source: tree.Load, target: Value) -> str:
+    """Return a remedy for a torque that is a number: the axis about which the frame turns, or any axis."""
+    size = source.value.span.text
+    if isinstance(source.value, tree.Binary | tree.Conditional):
+        size = f"({size})"
+    frame = target.frame if isinstance(target, Body) else target
+    if not isinstance(frame, Frame):
+        return f"for a torque about the axis z write `{size}*world.z`"
+    name = source.target.span.text + ("" if frame is target else ".frame")
+    turning = [k for k in range(3) if not frame.angular_velocity[k].is_zero]
+    if len(turning) == 1:
+        axis = "xyz"[turning[0]]
+        return f"`{name}` turns about its axis {axis}: write `{size}*{name}.{axis}`"
+    return f"name the axis: `{size}*{name}.x`, `{size}*{name}.y` or `{size}*{name}.z`"
 
 
 def _where_applied(
@@ -320,6 +337,7 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
     labels: list[str] = []
     rows: list[Node] = []
     units: list[str] = []
+    # A component that is identically zero is no equation, but keeps its number: `c[3]` may follow `c[1]`.
     for k, (node, found) in enumerate(differences):
         refuse_late(context, node, source.left.span.to(source.right.span), "a constraint")
         if not node.is_zero:
@@ -375,6 +393,7 @@ def residuals(
         message = f"the two sides have different shapes: {kind(left)} and {kind(right)}"
         raise Wrong("LAG0306", message, source.relation_span, _zeros(left, right))
     found: list[tuple[Node, Dimension | None]] = []
+    # A zero or a number of unknown dimension takes that of the other side.
     for a, b in pairs:
         if a.dimension is not None and b.dimension is not None and a.dimension != b.dimension:
             first, second = describe(a.dimension), describe(b.dimension)

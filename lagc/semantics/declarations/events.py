@@ -95,6 +95,7 @@ def _starts(context: Context, quantity: Quantity, boolean: bool) -> list[Node]:
         outside = given_elements(context, whole, quantity.sizes, quantity.type.dimension, what)
         values = [scalar.node for scalar in outside]
     for k, subscript in enumerate(quantity.subscripts):
+        # The declaration first, then a value for the whole array from outside, then those for its elements.
         given = whole if not quantity.sizes else context.give(context.starts, quantity.name(subscript))
         if given is not None:
             values[k] = _given_number(context, given, quantity, boolean, what)
@@ -282,6 +283,7 @@ def _reinit(context: Context, statement: tree.Statement, environment: Environmen
     if isinstance(value, objects.Orientation):
         remedy = f"set its angular velocity: `reinit({target.span.text}.rate, {{0, 0, 0}})`"
         raise Wrong("LAG0228", "`reinit` cannot set a whole orientation", target.span, remedy)
+    # A condition is set by a condition, states by values of their shape and dimension.
     truth = truth_symbol(value)
     if truth is not None:
         new = evaluate(context, written, environment)

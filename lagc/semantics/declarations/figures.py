@@ -51,6 +51,7 @@ def declare_figure(context: Context, entry: Entry) -> Value:
         meant = NONE if parameters[min(k, len(parameters) - 1)] == "axis" else M
         return Argument(evaluate_as(context, expression, entry.environment, meant), expression.span)
 
+    # All arguments are evaluated, so that all their faults are reported, before any is looked at.
     values = each(context, argument_of, range(len(written)))
     given = dict(zip(parameters, values))
     body, points = (

@@ -162,6 +162,8 @@ def _rolling(context: Context, joint: Joint, a: Pose, b: Pose) -> list[Row]:
         across = sub(normal, scale(dot(normal, moved), moved))
         drawn = norm(sub(flat, scale(dot(flat, axis), axis)))
         down = scale(graph.one / norm(across), across)
+    # A disc touches where its plane goes down steepest: `down` is the part of the normal across its axis.
+    # `rise` is how much lower its centre is than in the drawing.
     rise = dot(normal, down) - drawn
     contact = sub(centre, scale(radius, down))
 
@@ -170,6 +172,7 @@ def _rolling(context: Context, joint: Joint, a: Pose, b: Pose) -> list[Row]:
         return add((x, y, z), cross(pose.frame.spin, sub(contact, point)))
 
     slip = sub(velocity(b, centre), velocity(a, foot))
+    # The height of the centre, then the slip along two directions of the plane, which are velocities.
     first = joint.across(joint.direction("normal"))
     one = a.direction_of(first)
     return [

@@ -198,6 +198,8 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
             if quantity.type.name == "Integer":
                 whole(value, span, f"the parameter `{name}`")
             check_bounds(quantity, name, value, bounds, span, quantity.type.unit)
+        # A parameter with a number can be set before each run; one that is computed from others is built
+        # in, and its bounds are checked with them.
         symbol = context.graph.symbol("parameter", name)
         if name in context.released:  # an output asks for its reaction
             from lagc.semantics.joints import release_parameter
@@ -254,6 +256,8 @@ def starts(
     zero = Scalar(context.graph.zero, None)
     count = len(quantity.subscripts)
     what = f"the {attribute} of `{quantity.entry.path}`"
+    # A guess gives the value and no statement. Values from outside state more than the declaration: those
+    # of the whole array, then those of elements.
     stated = [statement_of(quantity.entry, modifier)] * count
     modifier = guess or modifier
     values = (
@@ -289,6 +293,7 @@ def _coordinate(context: Context, quantity: Quantity) -> Value:
     symbols: list[Scalar] = []
     for k, (subscript, start, rate) in enumerate(zip(quantity.subscripts, at_start, rates)):
         name = quantity.name(subscript)
+        # The clock knows q' and q'': derivatives of all expressions follow from these.
         symbol = graph.symbol("coordinate", name)
         speed = graph.leaf(symbol.record.derivative)
         context.clock.set_rate(symbol, speed)
@@ -321,6 +326,7 @@ def _speed(context: Context, quantity: Quantity) -> Value:
         name = quantity.name(subscript)
         symbol = graph.symbol("speed", name)
         context.clock.set_rate(symbol, graph.leaf(symbol.record.derivative))
+        # Without a value of its own the start follows from the rates that define the speed.
         known = stated[k].level != objects.UNSTATED or "guess" in quantity.attributes
         initial = at_start[k] if known else None, fixed_if(stated[k], holds[k])
         entry.objects.append(

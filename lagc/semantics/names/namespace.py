@@ -493,6 +493,7 @@ def columns(text: str) -> Columns:
             rows.append((reader.line_num, cells))
     except csv.Error as error:
         raise Unfit(f"is not a file of comma-separated values: {error} in line {reader.line_num}") from None
+    # Empty lines at the end are none. Names must be names: a file of numbers alone has lost its head.
     while rows and not rows[-1][1]:
         rows.pop()
     if not rows:

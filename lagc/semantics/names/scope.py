@@ -272,8 +272,11 @@ def kind(value: Value) -> str:
     return _KINDS[type(value)]
 
 
-def vector_of(value: Value, span: Span, what: str) -> tuple[Vector, Dimension | None]:
-    """Return the three components (world axes) and their dimension.  Raises Wrong."""
+def vector_of(
+    value: Value, span: Span, what: str, along: str | None = None
+) -> tuple[Vector, Dimension | None]:
+    """Return the three components (world axes) and their dimension.  Raises Wrong, for a number with the
+    remedy `along`."""
     if isinstance(value, Body):
         return value.position, M
     if isinstance(value, Array) and len(value.elements) == 3:
@@ -283,8 +286,7 @@ def vector_of(value: Value, span: Span, what: str) -> tuple[Vector, Dimension | 
     size = f" of {len(value.elements)} elements" if isinstance(value, Array) else ""
     remedy = None
     if isinstance(value, Scalar) and len(span.text) <= LONGEST_SHOWN and "\n" not in span.text:
-        along_x = f"for a vector along x write `{{{span.text}, 0, 0}}`"
-        remedy = f"for an axis z write `{{0, 0, {span.text}}}`" if what == "a torque" else along_x
+        remedy = along or f"for a vector along x write `{{{span.text}, 0, 0}}`"
     elif isinstance(value, Array) and len(value.elements) == 2 and len(span.text) <= LONGEST_SHOWN:
         whole = span.text.startswith("{") and span.text.endswith("}")
         remedy = f"a vector has three components: write `{span.text[:-1]}, 0}}`" if whole else None

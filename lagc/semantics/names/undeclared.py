@@ -273,6 +273,7 @@ def _needed_dimension(
     def of(part: tree.Expression) -> Dimension | None:
         return dimension_of(context, part, environment)
 
+    # From the declaration inwards: each part passes on the dimension that it needs of the one inside.
     for part, inner in zip(reversed(path), (*reversed(path[:-1]), e)):
         if isinstance(part, tree.Binary):
             wanted = _of_operand(part, inner, wanted, of(part.right if inner is part.left else part.left))
@@ -357,6 +358,7 @@ def refuse_without_kind(context: Context, entry: Entry) -> Value:
         name, text = type_of_unit(given[1]) or name, _UNIT_ATTRIBUTE.sub("", text).replace("()", "")
     elif name == "Real" and dimension is not None:
         name = name_of(dimension)
+    # The type is that of the words, of the unit, or of the value; the kind follows from type and use.
     kind = _kind(name, source, moves)
     foreign = [a for a in source.arguments if a.name not in _ATTRIBUTES]
     if foreign and given is None:  # of a model of a library: `Inertia J(J = 1)`
@@ -383,6 +385,7 @@ def without_type(context: Context, entry: Entry) -> Wrong:
         remedy = f"write `{entry.kind} {text} name{_EXAMPLES.get(entry.kind, '')};`"
         return Wrong("LAG0133", message, source.name_span, remedy)
     dimension, _ = _value(context, entry, source)
+    # The type is that of a unit in brackets, of the value, or of the start; else a likely one.
     start = next((a.value for a in source.arguments if a.name in ("start", "guess")), None)
     bracket = _BRACKET.match(text, len(source.name))
     written = bracket[1] if bracket is not None and type_of_unit(bracket[1]) else None

@@ -43,6 +43,7 @@ def constant_of(
         raise Wrong("LAG0133", message, declarator.name_span, remedy)
     if declarator.value is None:
         raise Wrong("LAG0210", f"the constant `{name}` has no value", declarator.name_span)
+    # A constant is evaluated once, among the declarations of its own file.
     key = (id(declarator), "constant")
     if key in context.running:
         raise Wrong("LAG0205", f"`{name}` depends on itself", span)

@@ -156,6 +156,7 @@ def _moving_terms(context: Context, node: Node, whole: Container[Node], most: in
     """Return the terms of a sum, and the number of parts left of `most` (negative if exceeded)."""
     graph, terms = node.graph, Terms()
     stack = [(node, graph.one)]
+    # A sum of products: the constant factors of each part are gathered apart from what moves.
     while stack and most >= 0:
         most -= 1
         part, factor = stack.pop()

@@ -298,6 +298,7 @@ def _reaction(context: Context, span: Span, of: Argument) -> Value:
             context.held.add(symbol.owner)
             return _quantity(context, "reaction", over(ENERGY, of.value.dimension or NONE), symbol.owner)
     entry = of.value.entry if isinstance(of.value, Reference) else None
+    # A joint of one equation has one force, as a constraint; any other one has a force and a moment.
     if entry is not None and entry.kind == "joint":
         single = entry.size is None and entry.objects and isinstance(entry.objects[0], Constraint)
         if not single:
@@ -311,6 +312,7 @@ def _reaction(context: Context, span: Span, of: Argument) -> Value:
         return _of_contacts(context, entry)
     assert isinstance(row, Constraint)
     found: dict[str, Scalar] = {}
+    # A multiplier times a residual is an energy, times a residual of velocities a power.
     for label, unit, residual in zip(row.labels, row.units, row.residuals):
         work = POWER if context.clock.mask(residual) & VELOCITY else ENERGY
         meant = NONE if row.actuator else over(work, unit_of(unit or "1").dimension)

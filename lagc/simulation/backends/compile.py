@@ -119,7 +119,7 @@ def _compile(words: Sequence[str], sources: Mapping[str, str], folder: str, more
             file.write(text)
     texts = "".join(sources.values())
     units = [name for name in sources if name.endswith(".c") and f'#include "{name}"' not in texts]
-    target = os.path.join(folder, "model" + SUFFIX)
+    target = "model" + SUFFIX  # some libraries hold this name: it does not tell the folder
     command = [*words, *FLAGS, "-o", target, *units, *more, "-lm"]
     try:
         done = _finished(command, folder)
@@ -133,7 +133,7 @@ def _compile(words: Sequence[str], sources: Mapping[str, str], folder: str, more
         lines = said.strip().splitlines()
         first = next((line for line in lines if "error" in line), lines[0] if lines else "it said nothing")
         raise CannotCompile(f"`{os.path.basename(words[0])}` failed (exit code {done.returncode}): {first}")
-    return target
+    return os.path.join(folder, target)
 
 
 def _finished(command: Sequence[str], folder: str) -> CompletedProcess[str]:

@@ -41,7 +41,10 @@ def this_machine() -> Platform | None:
     return named(f"{machine}-{system}")
 
 
+NO_PLACES = ("-g0", "-s")  # tables for debuggers tell where files were, and Windows' libraries when
+
+
 def cross_library(sources: Mapping[str, str], more: Sequence[str], platform: Platform) -> bytes:
     """Compile the shared library of `sources` for a platform. Raises CannotCompile."""
     zig = (sys.executable, "-m", "ziglang", "cc", "-target", platform.target)
-    return build_library(sources, more, zig)
+    return build_library(sources, (*more, *NO_PLACES), zig)

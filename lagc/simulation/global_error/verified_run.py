@@ -123,6 +123,8 @@ def notes_on(system: System, found: Checked) -> list[str]:
     said = {
         "moved only by round-off, and not accurate": named(
             [k for k in states if not found.scales[k] and largest[k]], largest),
+        "nothing but round-off (in brackets its difference in two runs)": named(
+            [k for k in continuous if found.constant[k] == 3], found.errors),
         "constant, so that the accuracy is relative to the size of the terms": named(
             [k for k in continuous if found.constant[k] == 1], found.scales),
         "so small beside others of the unit that round-off exceeds the accuracy of the own range "

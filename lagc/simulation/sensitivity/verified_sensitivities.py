@@ -114,9 +114,22 @@ def _verified(
         found.doubts[:, kept] = _doubts(done, 0.0, found.system.interface.kinds)
         return [kept[k] for k in done.lost]
     assert request.accuracy is not None
+    done = _refined(found, at, TOLERANCE if rests else max(run.rtol, 10.0 * FINEST), request.accuracy)
+    found.values[:, :, kept], found.message = done.values, done.message
+    found.doubts[:, kept] = _doubts(done, found.estimated or 0.0, found.system.interface.kinds)
+    if not found.message and (found.estimated is None or not found.estimated <= request.accuracy):
+        known = "is not known" if found.estimated is None else f"seems to be {found.estimated:.1g}"
+        found.message = f"their accuracy {known}, {request.accuracy:.1g} was asked for"
+    return [kept[k] for k in done.lost]
+
+
+def _refined(
+    found: Sensitivities, at: Callable[[float, bool], Followed], tol: float, accuracy: float
+) -> Followed:
+    """Return the sensitivities `at` a tolerance, `tol` or a finer one, for which the error of `found` is
+    within the accuracy, if there is one."""
     # As for the motion: two integrations, the finer one displaced by the doubts of its start, until
     # their difference is within the accuracy.
-    tol = TOLERANCE if rests else max(run.rtol, 10.0 * FINEST)
     done = at(tol, False)
     for _ in range(ATTEMPTS):
         if done.message or tol <= FINEST:
@@ -135,14 +148,9 @@ def _verified(
         done = finer
         apart = found.estimated
         found.estimated = SAFETY * _distance(before, done, found.system.interface.kinds)
-        if found.estimated <= request.accuracy or (apart is not None and found.estimated > 0.5 * apart):
+        if found.estimated <= accuracy or (apart is not None and found.estimated > 0.5 * apart):
             break
-    found.values[:, :, kept], found.message = done.values, done.message
-    found.doubts[:, kept] = _doubts(done, found.estimated or 0.0, found.system.interface.kinds)
-    if not found.message and (found.estimated is None or not found.estimated <= request.accuracy):
-        known = "is not known" if found.estimated is None else f"seems to be {found.estimated:.1g}"
-        found.message = f"their accuracy {known}, {request.accuracy:.1g} was asked for"
-    return [kept[k] for k in done.lost]
+    return done
 
 
 def _distance(one: Followed, two: Followed, kinds: Sequence[int]) -> float:

@@ -9,8 +9,7 @@ from importlib import import_module
 from importlib.resources import files
 from typing import Any
 
-from lagc.study.hard.case import Case, Figure
-from lagc.study.hard.published import line, read, values
+from lagc.study.hard.case import Case, Figure, line, read, values
 
 _TABLE = tomllib.loads((files("lagc.study.hard") / "cases.toml").read_text("utf-8"))
 HARD: dict[str, str] = _TABLE["published"]  # what is hard, by file of references

@@ -10,9 +10,8 @@ import numpy as np
 
 from lagc.diagnostics.faults import Refused
 from lagc.simulation.system import Options
-from lagc.study.hard.case import Found, Lab, how
+from lagc.study.hard.case import Found, Lab, how, read
 from lagc.study.hard.exact import chain_accelerations
-from lagc.study.hard.published import read
 
 ANGLES = ("beta", "Theta", "gamma", "Phi", "delta", "Omega", "epsilon")
 

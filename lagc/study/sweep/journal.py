@@ -1,35 +1,26 @@
 """The journal of a sweep: a file that keeps finished chunks, so that the same sweep goes on after any end.
 
-The first line names the sweep.  A record is a line of JSON, and behind it the rows as doubles.  A record that
-is not complete, since the process was killed or the disk was full, is cut off.
+The first line names the sweep.  A record is a line of JSON.  One that is not complete, since the process was
+killed or the disk was full, is cut off.
 """
 
 from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Mapping
+from base64 import b64decode, b64encode
+from collections.abc import Iterator
 from contextlib import suppress
 from typing import BinaryIO
-from zlib import crc32
 
-from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Refused
+from lagc.study.sweep.worker import Record
 
-HEAD = b"lagc sweep 1 "
+HEAD = b"lagc sweep 2 "
 
 
 class NotKept(Exception):
     """The journal cannot be written, for the reason in the message; it has all records before."""
-
-
-@dataclass(frozen=True)
-class Record:
-    """Finished runs from the point `first` on: rows as bytes, reasons by their place in the record."""
-
-    first: int
-    rows: bytes
-    reasons: Mapping[int, tuple[str, str]]
 
 
 class Journal:
@@ -74,22 +65,24 @@ class Journal:
 
     def records(self) -> Iterator[Record]:
         """Read all complete records, and cut off the rest."""
-        self.file.seek(len(self.head))
-        end = len(self.head)
+        end = self.file.seek(len(self.head))
         with open(self.path, "rb") as file:
             file.seek(end)
-            while (record := _read(file)) is not None:
-                end = file.tell()
+            for line in file:
+                try:
+                    first, rows, reasons = json.loads(line if line.endswith(b"\n") else b"")
+                    record = Record(first, b64decode(rows), {k: (code, text) for k, code, text in reasons})
+                except (ValueError, TypeError):
+                    break
+                end += len(line)
                 yield record
         self.file.truncate(end)
 
     def add(self, record: Record) -> None:
         """Append a record.  Raises NotKept; the file then ends with the record before."""
-        about = {
-            "first": record.first, "bytes": len(record.rows), "check": crc32(record.rows),
-            "reasons": [[k, *reason] for k, reason in record.reasons.items()],
-        }  # fmt: skip
-        self._append(json.dumps(about).encode() + b"\n" + record.rows)
+        reasons = [[k, *reason] for k, reason in record.reasons.items()]
+        rows = b64encode(record.rows).decode()
+        self._append(json.dumps([record.first, rows, reasons]).encode() + b"\n")
 
     def _append(self, data: bytes) -> None:
         end = self.file.seek(0, os.SEEK_END)
@@ -104,18 +97,3 @@ class Journal:
 
     def close(self) -> None:
         self.file.close()
-
-
-def _read(file: BinaryIO) -> Record | None:
-    """The next record of a file; None if it is not complete."""
-    line = file.readline()
-    if not line.endswith(b"\n"):
-        return None
-    try:
-        about = json.loads(line)
-        rows = file.read(about["bytes"])
-        if len(rows) != about["bytes"] or crc32(rows) != about["check"]:
-            return None
-        return Record(about["first"], rows, {k: (code, message) for k, code, message in about["reasons"]})
-    except (ValueError, TypeError, KeyError):
-        return None

@@ -8,16 +8,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from math import exp, isfinite, prod
+from math import isfinite, prod
 from random import Random
-from statistics import NormalDist
 
 from lagc.base.records import dataclass
 from lagc.base.text import number, whole
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.diagnostics.suggest import did_you_mean
 
-NORMAL = NormalDist()
 MOST_VALUES = 100_000_000  # of an axis
 
 
@@ -59,41 +57,21 @@ class Plan:
             yield tuple(values)
 
 
-def _uniform(u: float, low: float, high: float) -> float:
-    return low + (high - low) * u
-
-
-def _triangular(u: float, low: float, mode: float, high: float) -> float:
-    part = (mode - low) / (high - low)
-    if u < part:
-        return low + float((u * part) ** 0.5) * (high - low)
-    return high - float(((1.0 - u) * (1.0 - part)) ** 0.5) * (high - low)
-
-
-def _normal(u: float, mean: float, deviation: float) -> float:
-    return mean + deviation * NORMAL.inv_cdf(u)
-
-
-def _lognormal(u: float, median: float, deviation: float) -> float:
-    return median * exp(deviation * NORMAL.inv_cdf(u))
-
-
-def _loguniform(u: float, low: float, high: float) -> float:
-    return float(low * (high / low) ** u)
-
-
-# Inverse distribution functions, and the conditions of their arguments; L. Devroye, Non-Uniform Random
-# Variate Generation, 1986, II.2.
+# Random numbers of a generator, and the conditions of their arguments.
 DISTRIBUTIONS: dict[str, tuple[Callable[..., float], str, Callable[..., bool]]] = {
-    "uniform": (_uniform, "(least, largest)", lambda low, high: low < high),
-    "normal": (_normal, "(mean, standard deviation)", lambda mean, deviation: deviation > 0.0),
+    "uniform": (Random.uniform, "(least, largest)", lambda low, high: low < high),
+    "normal": (Random.normalvariate, "(mean, standard deviation)", lambda _, deviation: deviation > 0.0),
     "lognormal": (
-        _lognormal, "(median, standard deviation of the logarithm)", lambda m, deviation: m and deviation >
-        0.0
+        lambda dice, median, deviation: median * dice.lognormvariate(0.0, deviation),
+        "(median, standard deviation of the logarithm)", lambda median, deviation: median and deviation > 0.0
     ),
-    "loguniform": (_loguniform, "(least, largest), both positive", lambda low, high: 0.0 < low < high),
+    "loguniform": (
+        lambda dice, low, high: low * (high / low) ** dice.random(),
+        "(least, largest), both positive", lambda low, high: 0.0 < low < high
+    ),
     "triangular": (
-        _triangular, "(least, most frequent, largest)", lambda a, b, c: a <= b <= c and a < c
+        lambda dice, low, mode, high: dice.triangular(low, high, mode),
+        "(least, most frequent, largest)", lambda a, b, c: a <= b <= c and a < c
     ),
 }  # fmt: skip
 
@@ -109,7 +87,7 @@ class Distribution:
     def sample(self, name: str, count: int, seed: int) -> list[float]:
         """Return values that depend on the name, the seed and their number alone."""
         dice, value = Random(f"{seed} {name}"), DISTRIBUTIONS[self.kind][0]
-        return [value(dice.random() or 2.0**-54, *self.arguments) for _ in range(count)]
+        return [value(dice, *self.arguments) for _ in range(count)]
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ from typing import Any
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.study.sweep.executors import opened
-from lagc.study.sweep.journal import Journal, Record
+from lagc.study.sweep.journal import Journal
 from lagc.study.sweep.table import Sweep
-from lagc.study.sweep.worker import Chunk, Point, Task, run, version
+from lagc.study.sweep.worker import Point, Record, Task, run, version
 
 SECONDS = 0.5  # of a chunk
 GROWTH = 8  # of the chunks, which begin with one run
@@ -53,21 +53,19 @@ class Running:
     def _alone(self, most: float) -> None:
         """Run chunks in this process, until their work took `most` seconds."""
         while self.left and self.spent <= most:
-            first, points = self._next(1)
-            self._take(first, run(self.task, points, self._look))
+            self._take(run(self.task, *self._next(1), self._look))
             self._look()
 
     def _together(self, pool: Any, width: Callable[[], int]) -> None:
-        running: dict[Future[Chunk], int] = {}
+        running: set[Future[Record]] = set()
         try:
             while running or self.left:
                 room = width()
                 while self.left and len(running) < room:
-                    first, points = self._next(room)
-                    running[pool.submit(run, self.task, points)] = first
-                done, _ = wait(running, LOOK, FIRST_COMPLETED)
+                    running.add(pool.submit(run, self.task, *self._next(room)))
+                done, running = wait(running, LOOK, FIRST_COMPLETED)
                 for future in done:
-                    self._take(running.pop(future), future.result())
+                    self._take(future.result())
                 self._look()
         finally:
             for future in running:
@@ -82,15 +80,14 @@ class Running:
             self.left.insert(0, (end, last))
         return first, [*self.table.plan.points(first, end - first)]
 
-    def _take(self, first: int, chunk: Chunk) -> None:
+    def _take(self, chunk: Record) -> None:
         """Keep the results of a chunk.  Raises Refused (LAG0626) for a worker with another lagc."""
         if chunk.other:
             message = f"a worker has lagc {chunk.other}, this sweep lagc {version()}: results could differ"
             raise Refused([Fault("LAG0626", message, remedy="install the same lagc on all machines")])
-        record = Record(first, chunk.rows, chunk.reasons)
         if self.journal is not None:
-            self.journal.add(record)
-        count = self.table.add(record)
+            self.journal.add(chunk)
+        count = self.table.add(chunk)
         self.spent += chunk.seconds
         fitting = int(SECONDS * count / max(chunk.seconds, 1e-9))
         self.size = max(1, min(fitting, GROWTH * count, LARGEST))

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from math import nan
 from typing import Any
@@ -13,18 +12,13 @@ import numpy as np
 import numpy.typing as npt
 
 from lagc.base.text import json_text
-from lagc.host.atomic_write import Files, is_straight, obstacle
-from lagc.host.packages import is_installed
-from lagc.simulation.formats import CannotSave, quoted
-from lagc.study.sweep.journal import Record
+from lagc.simulation.formats import Table, check_path, write, writing
 from lagc.study.sweep.plan import Plan
-from lagc.study.sweep.worker import FIRST, STATUSES
+from lagc.study.sweep.worker import FIRST, STATUSES, Record
 
 NOT_RUN = "not run"
 TEXTS = ("status", "code", "message")
-LINES = 10_000  # of a file that are made at a time
-NEEDS = {".parquet": ("pyarrow",), ".nc": ("xarray", "scipy")}
-ENDINGS = (".csv", *NEEDS)
+NEEDS = {".csv": (), ".parquet": ("pyarrow",), ".nc": ("xarray", "scipy")}  # packages of a format
 
 Array = npt.NDArray[np.float64]
 
@@ -41,8 +35,8 @@ class Sweep:
         self, plan: Plan, columns: Sequence[str], units: Mapping[str, str], metadata: Mapping[str, object]
     ):
         self.plan, self.columns, self.units = plan, tuple(columns), dict(units)
-        self.metadata = {**metadata, "units": self.units}
-        self.rows: Array = np.full((len(plan), FIRST + len(self.columns)), nan)
+        self.metadata, self.stored = {**metadata, "units": self.units}, (*FIRST, *columns)
+        self.rows: Array = np.full((len(plan), len(self.stored)), nan)
         self.reasons: dict[int, tuple[str, str]] = {}
         self.interrupted = False
 
@@ -92,20 +86,17 @@ class Sweep:
     @property
     def names(self) -> tuple[str, ...]:
         """The names of all columns, in the order of files."""
-        return (*self.axes, *self.columns, "t", "estimated", *TEXTS)
+        return (*self.axes, *self.columns, *FIRST[1:], *TEXTS)
 
     def __getitem__(self, name: str) -> Any:
         if name in self.axes:
-            points = self.plan.points(0, len(self))
             place = self.axes.index(name)
-            return np.fromiter((point[place] for point in points), float, len(self))
-        if name in ("t", "estimated"):
-            return self.rows[:, 1 if name == "t" else 2]
-        if name in self.columns:
-            return self.rows[:, FIRST + self.columns.index(name)]
+            return np.fromiter((point[place] for point in self.plan.points(0, len(self))), float, len(self))
         if name in TEXTS:
             place = TEXTS.index(name)
             return np.array([self._texts(k)[place] for k in range(len(self))], dtype=object)
+        if name in self.stored:
+            return self.rows[:, self.stored.index(name)]
         from lagc.simulation.request import unknown
 
         fault = unknown(name, self.names, "column", "LAG0601")
@@ -154,62 +145,15 @@ class Sweep:
         `units` adds units to the header of a CSV file.  The metadata is in the file, or in `PATH.json` beside
         a CSV file.  Raises `lagc.simulation.formats.CannotSave` if the ending is unknown, a package is
         missing or the file cannot be written."""
-        ending = check_path(path)
-        try:
-            with Files() as files:
-                if ending == ".csv" and path.lower().endswith(".csv"):
-                    files.open(f"{path}.json").write(f"{json_text(self.metadata, indent=1)}\n".encode())
-                file = files.open(path)
-                if ending == ".csv":
-                    for line in self._lines(units):
-                        file.write(line)
-                elif ending == ".nc":
-                    found = self.to_xarray()
-                    file.write(found.assign({name: found[name].astype(str) for name in TEXTS}).to_netcdf())
-                else:
-                    self._write_parquet(file)
-        except OSError as error:
-            raise CannotSave(f"`{path}` cannot be written: {error.strerror or error}") from None
-
-    def _lines(self, units: bool) -> Iterator[bytes]:
-        """The lines of a CSV file (RFC 4180), some at a time; a number that is missing is empty."""
-        known = {"t": "s", **self.units}
-        header = [f"{n} [{known[n]}]" if units and known.get(n) else n for n in self.names]
-        yield f"{','.join(map(quoted, header))}\r\n".encode()
-        for first in range(0, len(self), LINES):
-            rows = self.rows[first : first + LINES].tolist()
-            lines = []
-            for k, (point, row) in enumerate(zip(self.plan.points(first, len(rows)), rows), first):
-                numbers = [repr(x) if x == x else "" for x in (*point, *row[FIRST:], row[1], row[2])]
-                lines.append(",".join([*numbers, *map(quoted, self._texts(k))]))
-            yield ("\r\n".join(lines) + "\r\n").encode()
-
-    def _write_parquet(self, file: Any) -> None:
-        pyarrow, parquet = _package("pyarrow"), import_module("pyarrow.parquet")
-        columns = {name: pyarrow.array(self[name]) for name in self.names}
-        known = {"t": "s", **self.units}
-        fields = [pyarrow.field(n, c.type, metadata={"unit": known.get(n, "")}) for n, c in columns.items()]
-        schema = pyarrow.schema(fields, metadata={"lagc": json_text(self.metadata)})
-        parquet.write_table(pyarrow.table(columns, schema=schema), file)
-
-
-def check_path(path: str) -> str:
-    """Return the ending that gives the format of `path`.  Raises CannotSave if it is unknown, a package is
-    missing or the file cannot be written."""
-    ending = os.path.splitext(path)[1].lower()
-    if ending not in ENDINGS and is_straight(path):
-        return ".csv"
-    if ending not in ENDINGS:
-        known = " ".join(ENDINGS)
-        raise CannotSave(f"`{path}` cannot be written: the ending gives the format, one of {known}")
-    for package in NEEDS.get(ending, ()):
-        if not is_installed(package):
-            raise CannotSave(f"`{path}` needs the package {package}: pip install {package}")
-    for each in (path, *([f"{path}.json"] if ending == ".csv" else [])):
-        reason = obstacle(each)
-        if reason:
-            raise CannotSave(f"`{each}` cannot be written: {reason}")
-    return ending
+        ending = check_path(path, NEEDS)
+        with writing(path) as files:
+            if ending == ".nc":
+                found = self.to_xarray()
+                data = found.assign({name: found[name].astype(str) for name in TEXTS}).to_netcdf()
+                files.open(path).write(data)
+            else:
+                columns = {name: self[name] for name in self.names}
+                write(Table(columns, {"t": "s", **self.units}, self.metadata, ""), files, path, ending, units)
 
 
 def _package(name: str) -> Any:

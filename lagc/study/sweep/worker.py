@@ -1,4 +1,7 @@
-"""The runs of one chunk of a sweep, in this process or in another one."""
+"""The runs of one chunk of a sweep, in this process or in another one.
+
+A model is a `Loaded` of `lagc.compiler.loaded`.
+"""
 
 from __future__ import annotations
 
@@ -6,15 +9,16 @@ import pickle
 from _thread import _local as Local
 from array import array
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from math import fsum, inf, nan, sqrt
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from lagc.base.records import dataclass, replace
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.host.cache import tool_fingerprint
 from lagc.kernels import DEFAULT_METHOD
-from lagc.simulation.repeated import repeated
+from lagc.simulation.repeated import RunsByHand, repeated
 from lagc.simulation.request import Request, given_values
 from lagc.simulation.solution import columns_of
 from lagc.simulation.supervision import MOST_TIME, Forecast
@@ -24,28 +28,14 @@ if TYPE_CHECKING:
     from lagc.lowering.program import Field
     from lagc.simulation.solution import Solution
 
-KEPT = ("final", "max", "min", "rms")
 STATUSES = ("ok", "terminated", "failed", "refused")  # a row has the index of one, or NaN: not run
-FIRST = 3  # numbers of a row before its columns: status, end time, estimated error
+FIRST = ("status", "t", "estimated")  # numbers of a row before its columns
+BLOCK = 256  # runs that are made at once
+ALONE = 1.0  # s of runs before they are: the code for that is compiled first
 MOST_WORDS = 300  # characters of a message
 
 Progress = Callable[[float], None]
 Point = tuple[float, ...]
-
-
-class Model(Protocol):
-    """A compiled model, as `lagc.compiler.loaded` has it; it can be pickled."""
-
-    @property
-    def artifact(self) -> Any: ...
-
-    def taking(self, method: str) -> Model: ...
-
-    def system(self, backend: str) -> Any: ...
-
-    def simulate(
-        self, request: Request, parameters: Sequence[float], progress: Progress | None = None
-    ) -> Solution: ...
 
 
 @dataclass(frozen=True)
@@ -65,14 +55,15 @@ class Task:
 
 
 @dataclass(frozen=True)
-class Chunk:
-    """The results of runs: the rows of numbers as bytes of doubles, the codes and messages of some by their
-    place in the chunk, and the time that they took in s.  `other` is the version of a worker that is
-    refused."""
+class Record:
+    """The runs of a chunk from the point `first` on: the rows of numbers as bytes of doubles, the codes and
+    messages of some by their place in the chunk, and the time that they took in s.  `other` is the version of
+    a worker that is refused."""
 
+    first: int
     rows: bytes
     reasons: Mapping[int, tuple[str, str]]
-    seconds: float
+    seconds: float = 0.0
     other: str = ""
 
 
@@ -91,10 +82,11 @@ class _Last(Local):
 _last = _Last()
 
 
-def run(task: Task, points: Sequence[Point], progress: Progress = lambda t: None) -> Chunk:
-    """Run the points of a chunk.  KeyboardInterrupt in `progress` ends it without a result."""
+def run(task: Task, first: int, points: Sequence[Point], progress: Progress = lambda t: None) -> Record:
+    """Run the points of a chunk from `first` on.  KeyboardInterrupt in `progress` ends it without a
+    result."""
     if task.fingerprint != version():
-        return Chunk(b"", {}, 0.0, version())
+        return Record(first, b"", {}, 0.0, version())
     began = perf_counter()
     if _last.key != task.key:
         _last.runner, _last.key = Runner(task, pickle.loads(task.model)), task.key
@@ -102,18 +94,22 @@ def run(task: Task, points: Sequence[Point], progress: Progress = lambda t: None
     rows, reasons = array("d"), dict[int, tuple[str, str]]()
     watched = Forecast(progress, task.request.stop or 0.0, task.most_time)
     for k, point in enumerate(points):
+        if k % BLOCK == 0 and runner.spent > ALONE:
+            runner.ahead(points[k : k + BLOCK])
         row, reason = runner.row(point, watched)
         rows.extend(row)
         if reason is not None:
             reasons[k] = reason
-    return Chunk(rows.tobytes(), reasons, perf_counter() - began)
+    seconds = perf_counter() - began
+    runner.spent += seconds
+    return Record(first, rows.tobytes(), reasons, seconds)
 
 
 class Runner:
     """The runs of a task in this thread."""
 
-    def __init__(self, task: Task, model: Model):
-        self.task, self.model = task, model
+    def __init__(self, task: Task, model: Any):
+        self.task, self.model, self.spent = task, model, 0.0
         interface = model.artifact.interface
         self.columns, self.last = columns_of(interface), task.keep == ("final",)
         # Where the values of a point go: the places of parameters in p, and of initial values in x.
@@ -129,24 +125,40 @@ class Runner:
             taking = model.taking(task.request.method or DEFAULT_METHOD)
             self.repeated = repeated(taking.system("c"), task.request, self.columns, self.last)
 
+    def _given(self, point: Point) -> tuple[list[float], dict[str, float]]:
+        """Return the array p and the initial values of a point.  Raises Refused."""
+        values, starts = list(self.task.values), {**self.task.request.starts}
+        for k, i, field in self.varied:
+            value = values[i] = point[k]
+            if field.whole or not field.minimum <= value <= field.maximum:
+                _keep_bounds(field, value)
+        for k, name in self.starts:
+            starts[name] = point[k]
+        return values, starts
+
+    def _places(self, starts: Mapping[str, float]) -> dict[int, float]:
+        return {self.place[name]: value for name, value in starts.items()}
+
+    def ahead(self, points: Sequence[Point]) -> None:
+        """Make the next runs side by side, where that is possible."""
+        if isinstance(self.repeated, RunsByHand):
+            given = []
+            for point in points:
+                with suppress(Refused):
+                    values, starts = self._given(point)
+                    given.append((values, self._places(starts)))
+            self.repeated.ahead(given)
+
     def row(self, point: Point, progress: Progress) -> tuple[list[float], tuple[str, str] | None]:
         """Return the numbers of a run, and the code and the message of one that did not go as asked."""
-        values, starts = list(self.task.values), {**self.task.request.starts}
         try:
-            for k, i, field in self.varied:
-                value = values[i] = point[k]
-                if field.whole or not field.minimum <= value <= field.maximum:
-                    _keep_bounds(field, value)
-            for k, name in self.starts:
-                starts[name] = point[k]
-            if self.repeated is not None:
-                places = {self.place[name]: value for name, value in starts.items()}
-                if self.repeated.run(values, places, progress):
-                    times = self.repeated.times
-                    known = 0.0, times[-1], self.repeated.estimated
-                    if self.last:
-                        return [*known, *self.repeated.row(len(times) - 1)], None
-                    return [*known, *statistics(self.task.keep, times, self.repeated.columns())], None
+            values, starts = self._given(point)
+            plain = self.repeated
+            if plain is not None and plain.run(values, self._places(starts), progress):
+                known = 0.0, plain.times[-1], plain.estimated
+                if self.last:
+                    return [*known, *plain.row(len(plain.times) - 1)], None
+                return [*known, *statistics(self.task.keep, plain.times, plain.columns())], None
             request = replace(self.task.request, starts=starts)
             return self._of(self.model.simulate(request, values, progress))
         except Refused as refused:
@@ -193,15 +205,7 @@ def statistics(
     keep: Sequence[str], times: Sequence[float], columns: Sequence[Sequence[float]]
 ) -> list[float]:
     """Return the numbers that are kept of each column, all of one kind first."""
-    found: list[float] = []
-    for kind in keep:
-        if kind == "final":
-            found += [column[-1] for column in columns]
-        elif kind == "rms":
-            found += [root_mean_square(times, column) for column in columns]
-        else:
-            found += [(max if kind == "max" else min)(column) for column in columns]
-    return found
+    return [KEPT[kind](times, column) for kind in keep for column in columns]
 
 
 def root_mean_square(times: Sequence[float], values: Sequence[float]) -> float:
@@ -212,6 +216,14 @@ def root_mean_square(times: Sequence[float], values: Sequence[float]) -> float:
     squares = [value * value for value in values]
     parts = [0.5 * (b - a) / span * (x + y) for a, b, x, y in zip(times, times[1:], squares, squares[1:])]
     return inf if inf in parts else sqrt(fsum(parts))
+
+
+KEPT: dict[str, Callable[[Sequence[float], Sequence[float]], float]] = {
+    "final": lambda times, values: values[-1],
+    "max": lambda times, values: max(values),
+    "min": lambda times, values: min(values),
+    "rms": root_mean_square,
+}
 
 
 def _short(message: str) -> str:

@@ -251,6 +251,8 @@ def bare_unit(w: Where) -> Explained | None:
     start = w.tokens[first].start + w.tokens[first].text.startswith("_")
     if w.before.kind != NUMBER or w.new_line() or w.tokens[first].kind != WORD:
         return None
+    # A unit is factors that look like units, joined by signs: read from the text, as the lexer knows no
+    # units here.
     text, unit, end = w.source.text, "", start
     while (part := _FACTOR.match(text, end)) is not None and looks_like_unit(part[2]):
         if bool(unit) != bool(part[1]) or (part[1] == " " and "-" not in part[3]):

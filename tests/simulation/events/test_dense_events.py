@@ -122,6 +122,5 @@ def test_steps_that_times_cut_short_are_no_proof(seed: int) -> None:
     for accuracy in (1e-6, 1e-8, 1e-10):
         run = model.simulate(4.0, accuracy=accuracy, points=points)
         assert run.status == "ok" and run.estimated is not None, run.message
-        size = max(abs(x) for x in run["x"])
         off = max(abs(x - place(t)) for t, x in zip(run.times, run["x"]))
-        assert off <= run.estimated * size + 1e-13, (accuracy, off, run.estimated)
+        assert off <= run.errors["x"] + 1e-13, (accuracy, off, run.errors)

@@ -80,9 +80,6 @@ class ndarray:
         """The elements as 16-bit integers, the only bytes that are asked for."""
         return words("H", self.flat).tobytes()
 
-    def copy(self) -> ndarray:
-        return ndarray([*self.flat], self.shape, self.dtype)
-
     def reshape(self, *shape: Any) -> ndarray:
         sizes = [*shape[0]] if len(shape) == 1 and not isinstance(shape[0], int) else [*shape]
         if -1 in sizes:
@@ -451,10 +448,6 @@ def max(x: Any, axis: Any = None, initial: Any = None) -> Any:
 
 def all(x: Any) -> bool:
     return bool(asarray(x).all())
-
-
-def any(x: Any) -> bool:
-    return builtins.any(x) if not isinstance(x, ndarray) else bool(x.any())
 
 
 def ptp(x: Any, axis: Any = None) -> Any:
