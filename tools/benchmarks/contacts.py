@@ -53,7 +53,7 @@ def landing(height: float) -> float:
 def by_lagc(n: int) -> tuple[float, float]:
     """CPU time in s, and the largest error of the landing times."""
     model = lagc.loads(TEXT).compile(parameters={"n": n}, backend="c")
-    program = pipeline.delivered(model.compilation, False, ["dop853"])
+    program = pipeline.delivered(model.compilation, pipeline.Contents(["dop853"]))
     start = [float(x) for x in model.start(None)]
     probe = Probe(stages.render(program, "c"), program.interface, model._bound(None), start)
     seconds = min(probe.run(Setting("dop853", rtol=1e-8), [0.0, STOP]).seconds for _ in range(ROUNDS))

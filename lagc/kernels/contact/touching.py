@@ -12,6 +12,7 @@ from math import fabs, sqrt
 
 from lagc.kernels.arithmetic.quaternions import normalise
 from lagc.kernels.constraints.projection import project
+from lagc.kernels.contact.kept_blocks import keep_block, recall_blocks
 from lagc.kernels.contact.law import CONTACT_SLIPS, CONTACT_STICKS, shares_force, solve_frozen
 from lagc.kernels.contact.modes import LAW_FOUND, LAW_NONE, set_law
 from lagc.kernels.contact.normal_forces import set_normals_given, solve_touching
@@ -278,65 +279,6 @@ def sample_forces(w: Work) -> None:
             if NSLIP > 0:
                 if w.contacts.modes[i] == 2 and contact_slips[i] > 0:
                     add_sample(slip_relation(i), w.contacts.cone_margins[i], w)
-
-
-def keep_block(block: int, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
-    """Keep the rates and forces of a block that is solved, for other evaluations of this step."""
-    if w.contacts.keeps and block_timed[block] == 0:
-        w.contacts.known[block] = 1
-        for c in range(state_begin[block], state_end[block]):
-            i = block_state[c]
-            w.contacts.kept_x[i] = x[i]
-            w.contacts.kept_rates[i] = xdot[i]
-        for k in range(NC):
-            if equation_block[k] == block:
-                w.contacts.kept_lam[k] = lam[k]
-        for n in range(w.contacts.law.rows):
-            row = w.contacts.touching_rows[n]
-            w.contacts.kept_forces[row] = w.contacts.forces[row]
-            w.contacts.kept_pushes[row] = w.contacts.pushes[row]
-
-
-def recall_block(block: int, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> bool:
-    """Take the rates and forces of a block that were solved for in these states, and clear w.contacts.touched
-    of its contacts; return whether they were."""
-    for c in range(state_begin[block], state_end[block]):
-        i = block_state[c]
-        if w.contacts.known[block] == 0 or not x[i] == w.contacts.kept_x[i]:
-            w.contacts.known[block] = 0
-            return False
-    for c in range(state_begin[block], state_end[block]):
-        xdot[block_state[c]] = w.contacts.kept_rates[block_state[c]]
-    for k in range(NC):
-        if equation_block[k] == block:
-            lam[k] = w.contacts.kept_lam[k]
-    for c in range(contact_begin[block], contact_end[block]):
-        i = block_contact[c]
-        if w.contacts.touched[i] > 0:
-            w.contacts.touched[i] = 0
-            for row in range(contact_first[i], contact_first[i] + contact_slips[i] + 1):
-                w.contacts.forces[row] = w.contacts.kept_forces[row]
-                w.contacts.pushes[row] = w.contacts.kept_pushes[row]
-    return True
-
-
-def recall_blocks(x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> bool:
-    """Recall blocks whose states have not changed within the step, as those at rest. Return whether contacts
-    of others touch."""
-    if w.contacts.keeps:
-        for block in range(NBLOCK):
-            recall_block(block, x, xdot, lam, w)
-    for i in range(NCON):
-        if w.contacts.touched[i] > 0:
-            return True
-    return False
-
-
-def keep_blocks(keeps: bool, w: Work) -> None:
-    """Let evaluations keep what they solve, or no longer; nothing is known yet."""
-    w.contacts.keeps = keeps
-    for block in range(NBLOCK):
-        w.contacts.known[block] = 0
 
 
 def store_power(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:

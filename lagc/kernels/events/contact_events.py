@@ -3,16 +3,10 @@
 The slack of their indicators is the round-off by which these may be beyond zero where a step begins.
 """
 
+from lagc.kernels.contact.kept_blocks import keep_blocks
 from lagc.kernels.contact.settle import bounds_jump, settle, settle_jump
 from lagc.kernels.contact.slips import REACHES, RELEASES, SLIDES, STOPS, TURNS, reach_of
-from lagc.kernels.contact.touching import (
-    find_touching,
-    keep_blocks,
-    rates_at,
-    set_gaps,
-    slip_along,
-    slip_relation,
-)
+from lagc.kernels.contact.touching import find_touching, rates_at, set_gaps, slip_along, slip_relation
 from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundoff
 from lagc.kernels.events.mode_change import MOST_CHANGES, change_modes
 from lagc.kernels.events.modes import choose_modes, update_edges

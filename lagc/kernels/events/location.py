@@ -9,17 +9,10 @@ ODEs, ACM Trans. Math. Software 17 (1991) 11-25.
 
 from math import fabs, inf, sqrt
 
-from lagc.kernels.contact.indicators import (
-    enclose_forces,
-    force_crosses,
-    force_range,
-    indicate_forces,
-    spare_contacts,
-)
+from lagc.kernels.contact.indicators import force_crosses, force_range, indicate_forces, spare_contacts
 from lagc.kernels.contact.touching import forget_forces, rates_at
 from lagc.kernels.events.late_indicators import (
     add_late_range,
-    enclose_late,
     estimate_late_roundoff,
     forget_late_range,
     indicator_rates_at,
@@ -27,6 +20,7 @@ from lagc.kernels.events.late_indicators import (
     sample_late_step,
 )
 from lagc.kernels.events.modes import margin
+from lagc.kernels.events.suspects import find_suspects, suspect, suspect_all, watch_all
 from lagc.kernels.integrators.dispatch import (
     end_rate_row,
     method_dense_at,
@@ -45,11 +39,6 @@ MOST_SHORT_PARTS = 64  # shorter parts in one step, which may stay beside a cros
 LEAST_SLACK = 2.0  # slack over the distance beyond a crossing by round-off; it doubles in each repetition
 MOST_SLACK = 4096.0  # up to this; then the crossing is taken for a true one
 SLACK_GROWTH = 8.0  # units in the last place
-
-
-def is_known(low: Real, high: Real) -> bool:
-    """Return whether these are finite bounds of an expression."""
-    return low > -UNKNOWN and high < UNKNOWN and low <= high
 
 
 def enclose_time(t0: Real, t1: Real, w: Work) -> None:
@@ -176,103 +165,10 @@ def smallest_margin(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Real:
     return least
 
 
-def within_mode(k: int, low: Real, high: Real, w: Work) -> bool:
-    """Return whether an indicator between these bounds stays in its mode."""
-    if NEDGES > 0:
-        if has_edges[k] > 0:
-            return low > w.events.edges[2 * k] and high < w.events.edges[2 * k + 1]
-    if w.modes[k] == 0.0:
-        return low >= 0.0 and high <= 0.0
-    return low > 0.0 if w.modes[k] > 0.0 else high < 0.0
-
-
-def suspect_all(w: Work) -> None:
-    """Suspect all indicators that depend on the state: none of them is known to stay in its mode."""
-    w.events.suspects = size(NFREE)
-    for j in range(NFREE):
-        w.events.suspect[j] = j
-    if NCON > 0:
-        w.events.seeks_forces = True
-
-
 def update_all_margins(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
     """Compute w.events.margins of all indicators that depend on the state."""
     suspect_all(w)
     update_margins(p, t, x, s, w)
-
-
-def enclose_indicators(p: Params, s: State, w: Work) -> None:
-    """Set w.events.enclosures for w.search.box."""
-    # Interval arithmetic for indicators of time and state, samples for those that need a solve.
-    fn_enclosure_on(p, w.modes, w.search.box, w.events.enclosures)
-    if NLATE > 0:
-        enclose_late(w)
-    if NCON > 0:
-        if w.events.seeks_forces:
-            enclose_forces(s, w)
-
-
-def may_cross(j: int, s: State, w: Work) -> bool:
-    """Return whether the enclosure of an indicator contains a crossing."""
-    # An unbounded or empty enclosure says nothing, so it does not exclude.
-    low = w.events.enclosures[2 * j]
-    high = w.events.enclosures[2 * j + 1]
-    slack = s.slack[NTIMED + j]
-    return not (is_known(low, high) and within_mode(NTIMED + j, low + slack, high - slack, w))
-
-
-def find_suspects(p: Params, s: State, w: Work) -> int:
-    """Put the suspected indicators that may cross in w.search.box first in w.events.suspect; return how many
-    these are."""
-    enclose_indicators(p, s, w)
-    found = 0
-    for n in range(w.events.suspects):
-        j = w.events.suspect[n]
-        if may_cross(j, s, w):
-            w.events.suspect[n] = w.events.suspect[found]
-            w.events.suspect[found] = j
-            found += 1
-    return found
-
-
-def watch_all(w: Work) -> None:
-    """Watch all states on the parts of a step."""
-    w.search.watching = size(NMOVED)
-    for i in range(NQ + NV):
-        w.search.watched[i] = i
-
-
-def is_block_suspected(block: int, w: Work) -> bool:
-    """Return whether a suspected indicator is the gap of a contact of this block."""
-    for n in range(w.events.suspects):
-        if contact_block[w.events.suspect[n] - NFREE + NCON] == block:
-            return True
-    return False
-
-
-def suspect(count: int, s: State, w: Work) -> None:
-    """Suspect the first indicators of w.events.suspect alone, and watch the states that they depend on: those
-    of blocks, if all are gaps; else all."""
-    w.events.suspects = count
-    watch_all(w)
-    if NCON > 0:
-        # Forces are solved for where that of a contact which touches, or a slip, may end.
-        w.events.seeks_forces = False
-        others = False
-        for n in range(count):
-            k = NTIMED + w.events.suspect[n]
-            if k < NMODE - NCON - NSLIP:
-                others = True
-            elif k < NMODE - NCON or s.x[NX - NMODE + k] != 0.0:
-                w.events.seeks_forces = True
-        if others or w.events.seeks_forces:
-            return
-        w.search.watching = 0
-        for block in range(NBLOCK):
-            if is_block_suspected(block, w):
-                for c in range(state_begin[block], state_end[block]):
-                    w.search.watched[w.search.watching] = block_state[c]
-                    w.search.watching += 1
 
 
 def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right: Real, w: Work) -> Real:
@@ -335,6 +231,31 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
     return high
 
 
+def begin_parts(most: int, s: State, w: Work) -> None:
+    """Suspect the first indicators of w.events.suspect, and begin the parts of a step at s.x: discrete
+    variables do not change in it."""
+    suspect(most, s, w)
+    w.search.x_part_begin[:] = s.x
+    w.search.x_part_middle[:] = s.x
+    w.search.x_part_end[:] = s.x
+
+
+def sample_part(p: Params, s: State, a: Trial, left: Real, right: Real, w: Work) -> None:
+    """Set the ranges of sampled indicators to those on a part of a step: ranges of longer parts would be
+    wider than needed."""
+    if NLATE > 0:
+        forget_late_range(w)
+        add_late_range(p, s.t + left * a.h, w.search.x_part_begin, s, w)
+        add_late_range(p, s.t + 0.5 * (left + right) * a.h, w.search.x_part_middle, s, w)
+        add_late_range(p, s.t + right * a.h, w.search.x_part_end, s, w)
+    if NCON > 0:
+        if w.events.seeks_forces:
+            forget_forces(w)
+            force_range(p, s.t + left * a.h, w.search.x_part_begin, w)
+            force_range(p, s.t + 0.5 * (left + right) * a.h, w.search.x_part_middle, w)
+            force_range(p, s.t + right * a.h, w.search.x_part_end, w)
+
+
 def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
     """Return the part of the step from s.x to s.x_new after which the first indicator crosses, NO_EVENT,
     or a negative number if the dense output failed."""
@@ -352,18 +273,13 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
     if failed(trial_dense_output(p, s, method, a, w)):
         return -1.0
     # Parts of the dense output from left to right: a part that cannot exclude a crossing is halved, one that
-    # does is followed by a longer one. So the first crossing is found, not any. Of several blocks,
-    # indicators that a part excludes are not looked at within it: up to `narrow` the first of
-    # w.events.suspect alone may cross.
+    # does is followed by a longer one. So the first crossing is found, not any. Of several blocks, what a part
+    # excludes is not looked at within it: up to `narrow` the first of w.events.suspect alone may cross.
     looked = 0
     left = 0.0
     width = LONGEST_PART
-    if NAPART > 0:
-        narrow = 1.0
-    suspect(most, s, w)
-    w.search.x_part_begin[:] = s.x
-    w.search.x_part_middle[:] = s.x
-    w.search.x_part_end[:] = s.x
+    narrow = 1.0
+    begin_parts(most, s, w)
     while left < 1.0:
         if NAPART > 0:
             if left >= narrow:
@@ -372,18 +288,7 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
                 method_watched_at(method, left, s, w.search.x_part_begin, w)
         right = left + width if left + width < 1.0 else 1.0
         enclose_dense_output(s, method, a, left, right, w)
-        # Samples of this part only: ranges of longer parts would be wider than needed.
-        if NLATE > 0:
-            forget_late_range(w)
-            add_late_range(p, s.t + left * a.h, w.search.x_part_begin, s, w)
-            add_late_range(p, s.t + 0.5 * (left + right) * a.h, w.search.x_part_middle, s, w)
-            add_late_range(p, s.t + right * a.h, w.search.x_part_end, s, w)
-        if NCON > 0:
-            if w.events.seeks_forces:
-                forget_forces(w)
-                force_range(p, s.t + left * a.h, w.search.x_part_begin, w)
-                force_range(p, s.t + 0.5 * (left + right) * a.h, w.search.x_part_middle, w)
-                force_range(p, s.t + right * a.h, w.search.x_part_end, w)
+        sample_part(p, s, a, left, right, w)
         found = find_suspects(p, s, w)
         if found == 0:
             if width < LONGEST_PART:

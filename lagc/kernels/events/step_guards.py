@@ -14,10 +14,9 @@ from lagc.kernels.events.location import (
     SHORTEST_PART,
     enclose_dense_output,
     enclose_step,
-    is_known,
     trial_dense_output,
-    watch_all,
 )
+from lagc.kernels.events.suspects import is_known, watch_all
 from lagc.kernels.integrators.dispatch import has_series, method_dense_at
 from lagc.kernels.language.vocabulary import *
 

@@ -280,7 +280,7 @@ class ContactWork:
     modes: IVec[NCON]  # 0 open, 1 or -1 slips forwards or backwards, 2 sticks; 1 without friction
     touching: IVec[NCON]  # the listed contacts
     touching_rows: IVec[NCROW]  # their rows
-    first_block: int  # the blocks of which contacts are listed
+    first_block: int  # the blocks whose contacts are listed
     last_block: int
     slot: IVec[NCROW]  # of each listed row: its number among those of its block
     slots: int  # the largest number of listed rows of a block
