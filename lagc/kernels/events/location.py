@@ -273,12 +273,13 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
     if failed(trial_dense_output(p, s, method, a, w)):
         return -1.0
     # Parts of the dense output from left to right: a part that cannot exclude a crossing is halved, one that
-    # does is followed by a longer one. So the first crossing is found, not any. Of several blocks, what a part
-    # excludes is not looked at within it: up to `narrow` the first of w.events.suspect alone may cross.
+    # does is followed by a longer one: so the first crossing is found. Of several blocks, what a part has
+    # excluded is not looked at within it: up to `narrow` the first of w.events.suspect alone may cross.
     looked = 0
     left = 0.0
     width = LONGEST_PART
-    narrow = 1.0
+    if NAPART > 0:
+        narrow = 1.0
     begin_parts(most, s, w)
     while left < 1.0:
         if NAPART > 0:
@@ -300,9 +301,8 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
                     narrow = right
             width *= 0.5
             continue
-        # At 1/256 of the step: if an indicator is beyond at the end of the part, its crossing is located
-        # there; if not, it may have crossed twice, and the part is halved on to 1e-9, for a limited number of
-        # parts.
+        # At 1/256 of the step: a crossing is located if an indicator is beyond at the end of the part; else it
+        # may have crossed twice, and a limited number of parts is halved on to 1e-9.
         elif any_crossed(p, s.t + right * a.h, w.search.x_part_end, s, w):
             return locate_crossing(p, s, method, a.h, left, right, w)
         elif looked < MOST_SHORT_PARTS:  # it may be crossed twice
