@@ -301,8 +301,8 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
                     narrow = right
             width *= 0.5
             continue
-        # At 1/256 of the step: a crossing is located if an indicator is beyond at the end of the part; else it
-        # may have crossed twice, and a limited number of parts is halved on to 1e-9.
+        # At 1/256 of the step: a crossing is located if an indicator is beyond at the end of the part; else
+        # it may have crossed twice, and a limited number of parts is halved on to 1e-9.
         elif any_crossed(p, s.t + right * a.h, w.search.x_part_end, s, w):
             return locate_crossing(p, s, method, a.h, left, right, w)
         elif looked < MOST_SHORT_PARTS:  # it may be crossed twice
