@@ -120,6 +120,8 @@ class Differentiable(Parametrized):
             values = there.value(FIXED[of]) if of in FIXED else numpy.zeros(0)
             return numpy.hstack([self._columns(there, of, word) for word in words]), values
 
+        # A jump of the value itself leaves no derivative; a jump of the slope leaves two, one for each
+        # side.
         found, values = on(own)
         for relation, modes in others:
             there, beyond = on(modes)
@@ -278,6 +280,7 @@ class Differentiable(Parametrized):
         run = self.simulate(
             t, accuracy=ACCURACY, points=2, parameters=parameters, starts=starts, progress=progress
         )
+        # A state that is known less exactly than asked is good enough, with a note; a wrong one is not.
         notes = tuple[str, ...]()
         if run.interrupted:
             raise Exhausted if reached() else KeyboardInterrupt

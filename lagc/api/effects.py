@@ -215,6 +215,8 @@ class _Variant:
         if run.interrupted:
             raise KeyboardInterrupt
         found = {name: np.array(run.column(name)) for name in self.names}
+        # A run that fails has three kinds: it ends early; it is not predictable beyond its last time; or it
+        # is whole and less exact than asked, as its error bars tell.
         failed = run.status == "failed"
         cut = run.cut and len(run.times) > 1
         inexact = failed and len(run.times) == len(self.times) and bool(run.errors)
@@ -253,6 +255,8 @@ class _Variant:
         found = works(equations, system, x, stop, motion.method, pointwise)
         if found is None:
             return None, {}
+        # Works of actions, constraints and clauses by the effect that brought each; those of contacts
+        # together have an owner if all are of one effect.
         given = [(c.effect, found.actions[c.name]) for c in equations.contributions]
         labels = {row.label: row.effect for row in equations.rows}
         given += [(labels[label], work) for label, work in found.rows.items()]

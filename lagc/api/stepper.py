@@ -78,6 +78,8 @@ class Stepper:
         of the method, where another call may continue."""
         for name in inputs:
             self[name] = inputs[name]
+        # Equal steps are counted, not added up, so that the k-th one ends at t0 + k step without piled up
+        # round-off.
         if step != self._step:
             if not isfinite(step):
                 raise ValueError(f"a step is a finite number of seconds, not {step!r}")

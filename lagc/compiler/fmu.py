@@ -20,8 +20,7 @@ from lagc.simulation.request import Request, bound_parameters
 if TYPE_CHECKING:
     from lagc.lowering.program import Interface, Program
 
-# The functions of FMI alone are seen, by the names of the standard.
-FLAGS = ("-fvisibility=hidden", "-I.", "-DFMI3_OVERRIDE_FUNCTION_PREFIX")
+HIDDEN = ("-fvisibility=hidden", "-I.")  # the functions of FMI alone are seen
 
 
 def fmu(
@@ -45,9 +44,9 @@ def fmu(
     if platforms is None:
         own = this_machine()
         if own is not None:
-            files[_place(own, version, name)] = build_library(code, FLAGS)
+            files[_place(own, version, name)] = build_library(code, HIDDEN)
     for platform in platforms or ():
-        files[_place(platform, version, name)] = cross_library(code, FLAGS, platform)
+        files[_place(platform, version, name)] = cross_library(code, HIDDEN, platform)
     return interface, {f"{name}.fmu": zipped(files)}
 
 

@@ -45,6 +45,8 @@ def probe(
     system = _bound(loaded, run, texts)
     times, states = run.times if times is None else times, run.states if states is None else states
     interface, n = system.interface, len(times)
+    # Each text is an output of its own, `probe(1)` or, of a vector or matrix, `probe(1)[1,2]`: the last
+    # name gives the shape.
     rows = np.array(system.output_columns(times, states)).reshape(len(interface.outputs), n).T
     found: list[Probe] = []
     for k, text in enumerate(texts):

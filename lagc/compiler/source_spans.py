@@ -27,6 +27,8 @@ def placed(equations: EquationsOfMotion, found: NoStart) -> Refused:
     values = _values(equations, found)
     spans = [(span, label) for anchor in found.anchors for span, label in _spans(equations, anchor)]
     message, remedy = fault.message, fault.remedy
+    # A place where an expression has no value explains more than the rows that it spoils, so it comes
+    # first.
     strange = _strange(equations, fault.code, found, values)
     if strange is not None:
         where, what = strange

@@ -313,6 +313,7 @@ def _layout(text: str) -> tuple[str, list[int]]:
     column = 0
     for char in text:
         positions.append(column)
+        # A caret stands below its character: tabs go to the next stop, wide characters take two cells.
         if char == "\t":
             step = TAB - column % TAB
             shown.append(" " * step)

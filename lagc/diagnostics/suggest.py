@@ -37,6 +37,8 @@ def _closest(name: str, known: Sequence[str]) -> str | None:
     import difflib
 
     plain = _plain(name)
+    # From the surest to the least sure: other capitals or signs, a path with a part too few or too many, a
+    # few other letters.
     same = [c for c in known if _plain(c) == plain and c != name]
     if same:
         return same[0]

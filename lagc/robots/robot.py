@@ -136,23 +136,21 @@ class Rounding:
         self.largest = {"places [m]": 0.0, "axes": 0.0}
 
     def place(self, values: Vector) -> list[float]:
-        if self.exact:
-            return [float(x) + 0.0 for x in values]
-        found = [round(float(x), self.decimals) + 0.0 for x in values]
-        self.largest["places [m]"] = max(
-            self.largest["places [m]"], *(abs(a - float(b)) for a, b in zip(found, values))
-        )
-        return found
+        return self._recorded("places [m]", values, [round(float(x), self.decimals) + 0.0 for x in values])
 
     def axis(self, values: Vector) -> list[float]:
         """Return a unit vector without components that are round-off."""
-        if self.exact:
-            return [float(x) + 0.0 for x in values]
         kept = [float(x) if abs(x) > 10.0**-DIGITS else 0.0 for x in values]
         length = sum(x * x for x in kept) ** 0.5
-        found = [x / length for x in kept]
-        self.largest["axes"] = max(self.largest["axes"], *(abs(a - float(b)) for a, b in zip(found, values)))
-        return found
+        return self._recorded("axes", values, [x / length for x in kept])
+
+    def _recorded(self, what: str, values: Vector, rounded: list[float]) -> list[float]:
+        """Return the rounded values, after a look at how much they change, or the exact ones."""
+        exact = [float(x) + 0.0 for x in values]
+        if self.exact:
+            return exact
+        self.largest[what] = max(self.largest[what], *(abs(a - b) for a, b in zip(rounded, exact)))
+        return rounded
 
     def number(self, value: float) -> float:
         """Return a mass, moment or coefficient with SIGNIFICANT digits."""

@@ -142,14 +142,13 @@ class _Writer:
             leader = joints[coupling.leader]
             unit, q = UNITS[leader.kind][1], self._coordinate(leader)
             for power, c in enumerate(others, 1):
-                if c:
-                    if own == unit and power == 1 and abs(c) == 1.0:
-                        terms.append(q if c > 0.0 else f"-{q}")
-                        continue
-                    factor = (
-                        "" if own == unit and power == 1 else f" [{own}/{unit}{power if power > 1 else ''}]"
-                    )
-                    terms.append(f"{_number(c)}{factor}*{q}{f'^{power}' if power > 1 else ''}")
+                is_plain = own == unit and power == 1
+                raised = f"^{power}" if power > 1 else ""
+                factor = "" if is_plain else f" [{own}/{unit}{raised[1:]}]"
+                if c and is_plain and abs(c) == 1.0:
+                    terms.append(q if c > 0.0 else f"-{q}")
+                elif c:
+                    terms.append(f"{_number(c)}{factor}*{q}{raised}")
         return " + ".join(terms).replace("+ -", "- ")
 
     def _motors(self) -> Iterator[str]:
@@ -163,12 +162,11 @@ class _Writer:
             yield f"input {quantity} {given} = 0;"
             child, parent = [self.names.of("body", b) for b in (joint.child, joint.parent)]
             axis = self._axis(joint.axis, f"{child}.frame")
-            along = f"{given}*({axis})" if " " in axis else f"{given}*{axis}"
-            if axis.startswith("-") and " " not in axis:
-                along = f"-{given}*{axis[1:]}"
+            along = f"{given}*({axis})" if " " in axis else f"{given}*{axis}".replace("*-", "*")
+            sign = "-" if axis.startswith("-") and " " not in axis else ""
             place = f"on {child}" + (f" at {child}" if quantity == "Force" else "")
             counter = "" if joint.parent == GROUND else f" from {parent}"
-            yield f"{quantity.lower()} {self.names.fresh(f'motor_{name}')} = {along} {place}{counter};"
+            yield f"{quantity.lower()} {self.names.fresh(f'motor_{name}')} = {sign}{along} {place}{counter};"
 
     def _effects(self) -> Iterator[str]:
         effects = ["gravity"]
@@ -199,26 +197,24 @@ class _Writer:
 
     def _kinetic(self) -> Iterator[str]:
         """Return rotors and springs, which are there in every scene."""
-        found = False
-        for joint in self.robot.joints:
-            name = self.names.of("joint", joint.name)
-            rates, inertia, stiffness = self._rates(joint)
-            if joint.armature:
-                found = True
-                own = self.names.fresh(f"rotor_{name}")
-                value = f"{_number(self.rounding.number(joint.armature))} [{inertia}]"
-                yield f"kinetic {own} = 1/2*{value}*{_squares(rates)};"
-            if joint.stiffness and joint.kind in UNITS:
-                found = True
-                rest = self.rounding.number(joint.rest)
-                turned = self._coordinate(joint)
-                if rest:
-                    turned = f"({turned} - {_number(rest)} [{UNITS[joint.kind][1]}])".replace("- -", "+ ")
-                own = self.names.fresh(f"spring_{name}")
-                value = f"{_number(self.rounding.number(joint.stiffness))} [{stiffness}]"
-                yield f"potential {own} = 1/2*{value}*{turned}^2;"
-        if found:
-            yield ""
+        lines = [line for joint in self.robot.joints for line in self._stored(joint)]
+        yield from [*lines, ""] if lines else []
+
+    def _stored(self, joint: Joint) -> Iterator[str]:
+        """Return the energies of a joint beside those of bodies."""
+        name = self.names.of("joint", joint.name)
+        rates, inertia, stiffness = self._rates(joint)
+        if joint.armature:
+            own = self.names.fresh(f"rotor_{name}")
+            value = f"{_number(self.rounding.number(joint.armature))} [{inertia}]"
+            yield f"kinetic {own} = 1/2*{value}*{_squares(rates)};"
+        if joint.stiffness and joint.kind in UNITS:
+            turned, rest = self._coordinate(joint), self.rounding.number(joint.rest)
+            if rest:
+                turned = f"({turned} - {_number(rest)} [{UNITS[joint.kind][1]}])".replace("- -", "+ ")
+            own = self.names.fresh(f"spring_{name}")
+            value = f"{_number(self.rounding.number(joint.stiffness))} [{stiffness}]"
+            yield f"potential {own} = 1/2*{value}*{turned}^2;"
 
     def _losses(self) -> Iterator[str]:
         for joint in self.robot.joints:

@@ -26,7 +26,7 @@ from lagc.simulation.global_error.energy_balance import balance
 from lagc.simulation.global_error.verified_run import ULP, longest_step
 from lagc.simulation.request import Request
 from lagc.simulation.simulate import by_hand
-from lagc.simulation.system import INTERRUPTED, OK, Options, System, Trajectory
+from lagc.simulation.system import INTERRUPTED, OK, TERMINATED, Options, System, Trajectory
 from lagc.symbolic.leaves import derived
 
 SLICE = 20_000  # steps of a run by hand between two looks at the clock and at signals
@@ -45,10 +45,7 @@ def repeated(system: System, request: Request, names: Sequence[str], last: bool)
     plain = request.step is None and not (request.guesses or request.sensitivity)
     own = not interface.methods or (request.method or DEFAULT_METHOD) in interface.methods
     searched = interface.needs_consistency or interface.contacts or interface.limits or interface.doubtful
-    ended = any(
-        clause.reason is not None for clause in interface.whens
-    )  # by a clause: usually, if there is one
-    if not (plain and own and isinstance(system, CSystem)) or searched or ended:
+    if not (plain and own and isinstance(system, CSystem)) or searched:
         return None
     if request.by_hand:
         return RunsByHand(system, request, names, last)
@@ -56,10 +53,10 @@ def repeated(system: System, request: Request, names: Sequence[str], last: bool)
 
 
 class Repeated(ABC):
-    """Arrays and functions of the runs of one request; for one thread.  Each run leaves the `states` at its
-    `times`, and its estimated error in `estimated`."""
+    """Arrays and functions of the runs of one request; for one thread.  Each run leaves the states at its
+    `times`, its estimated error in `estimated`, and in `ended` how a clause ended it."""
 
-    estimated = float("nan")
+    estimated, ended = float("nan"), ""
 
     def __init__(self, system: CSystem, names: Sequence[str], times: Sequence[float]):
         interface, self.call, self.system = system.interface, system.model.functions, system
@@ -168,6 +165,7 @@ class RunsByHand(Repeated):
             ctypes.memmove(self.flat, known, len(known))
             return True
         state, status = self.state, INTERRUPTED
+        self.times, self.ended = self.grid[:], ""
         ctypes.memset(self.space, 0, sizeof(self.space))
         self.call["begin"](byref(state), ZERO, self.x)
         self.done.value = 0
@@ -178,6 +176,13 @@ class RunsByHand(Repeated):
             )  # fmt: skip
             if status == INTERRUPTED:
                 progress(state.t)
+        if status == TERMINATED:
+            clause, count = self.system.interface.whens[state.culprit], self.done.value
+            if count == 0 or self.times[count - 1] != state.t:
+                self.flat[count * self.nx : (count + 1) * self.nx] = state.x
+                self.times[count:] = [state.t]
+            self.ended = f"at t = {state.t:.6g} s: {clause.reason}"
+            return not clause.fails
         return bool(status == OK)
 
 

@@ -244,6 +244,7 @@ class Point:
 
     def _split(self, node: Node) -> Linear:
         if node.op == "add":
+            # Sums stay linear forms of their terms with exact coefficients, so that equal decimals cancel.
             total = dict(self._forms[node.args[0]])
             for term, c in self._forms[node.args[1]].items():
                 total[term] = total.get(term, Fraction(0)) + c

@@ -90,6 +90,7 @@ def _spline_slopes(h: Numbers, m: Numbers) -> list[float]:
     if n == 2:
         curvature = (m[1] - m[0]) / (h[0] + h[1])
         return [m[0] - curvature * h[0], m[0] + curvature * h[0], m[1] + curvature * h[1]]
+    # Continuous second derivatives at inner knots, and one cubic over the two pieces at each end.
     ends = h[0] + h[1], h[-2] + h[-1]
     pivots, upper = [h[1]], [ends[0], *h[:-1]]
     right = [((h[0] + 2.0 * ends[0]) * h[1] * m[0] + h[0] * h[0] * m[1]) / ends[0]]

@@ -114,6 +114,7 @@ def _passage(
     token = tokens[at]
     if token.kind != WORD:
         return None
+    # Sections, packages and classes of Modelica: a whole passage is one fault, and what follows is read on.
     if token.text in _SECTIONS:
         if at and tokens[at - 1].text == "initial":
             message = "the section of initial equations begins with `initial` alone"

@@ -91,5 +91,5 @@ def _error(run: Any, result: Any, interface: Any, names: dict[str, str]) -> floa
     for name, kind in zip(interface.state_names, interface.kinds):
         own = np.interp(result["time"], run.t, run[name]) if len(result) != len(run.t) else run[name]
         off = np.abs(result[names[name.replace(", ", ",")]] - own)[apart]
-        worst = max(worst, off.max() / (size[kind] or 1.0))
+        worst = max(worst, float(off.max()) / (size[kind] or 1.0))
     return worst

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import shutil
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -191,6 +192,19 @@ def test_start_values(tmp_path: Path) -> None:
             str(path), start_values=given, stop_time=0.01, fmi_type="CoSimulation", output=["y"]
         )
         assert found["y"][0] == begins
+
+
+@pytest.mark.full
+@pytest.mark.skipif(shutil.which("cmake") is None, reason="there is no CMake")
+@pytest.mark.parametrize("version", [2, 3])
+def test_sources_are_compiled_by_fmpy(version: int, tmp_path: Path) -> None:
+    from fmpy.build import build_platform_binary
+
+    path = tmp_path / "m.fmu"
+    path.write_bytes(archive("simple_pendulum", version, ()))
+    folder = fmpy.extract(str(path), str(tmp_path / "m"))
+    build_platform_binary(folder, configuration="Debug")
+    assert fmpy.simulate_fmu(folder, stop_time=0.1)["time"][-1] == 0.1
 
 
 @pytest.mark.sample(0, 4)

@@ -75,29 +75,29 @@ def test_an_importer_that_is_late(tmp_path: Path) -> None:
 
 
 TWO = """#include <stdio.h>
-const char *bouncing_ball_fmi3GetVersion(void), *simple_pendulum_fmi3GetVersion(void);
+const char *bouncing_ball_GetVersion(void), *simple_pendulum_GetVersion(void);
 int main(void)
 {
-    printf("%s %s", bouncing_ball_fmi3GetVersion(), simple_pendulum_fmi3GetVersion());
-    return 0;
+    return printf("%s %s", bouncing_ball_GetVersion(), simple_pendulum_GetVersion()) < 0;
 }
 """
 
 
 @pytest.mark.full
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
-def test_two_fmus_in_one_program(tmp_path: Path) -> None:
-    """Sources have the prefix of their model, as FMI asks for where they are linked statically."""
+@pytest.mark.parametrize("version", [3, 2])
+def test_two_fmus_in_one_program(version: int, tmp_path: Path) -> None:
+    """With the prefix of FMI's headers, sources of several FMUs are linked statically."""
     objects = []
     for model in ("bouncing_ball", "simple_pendulum"):
         folder = tmp_path / model
         folder.mkdir()
-        for file in sources(archive(model), folder):
-            gcc(folder, "-c", file)
+        for file in sources(archive(model, version), folder):
+            gcc(folder, f"-DFMI{version}_FUNCTION_PREFIX={model}_", "-c", file)
             objects.append(f"{model}/{Path(file).stem}.o")
-    (tmp_path / "main.c").write_text(TWO)
+    (tmp_path / "main.c").write_text(TWO.replace("_Get", f"_fmi{version}Get"))
     gcc(tmp_path, "main.c", *objects, "-o", "main", "-lm")
-    assert subprocess.check_output([tmp_path / "main"], text=True).split() == ["3.0", "3.0"]
+    assert subprocess.check_output([tmp_path / "main"], text=True).split() == 2 * [f"{version}.0"]
 
 
 def grouped(system: lagc.api.CompiledModel) -> list[list[str]]:

@@ -37,13 +37,14 @@ def description(data: bytes) -> ET.Element:
 
 
 def sources(data: bytes, folder: Path) -> list[str]:
-    """Write the sources of an FMU into a folder; return the files that buildDescription.xml lists."""
+    """Write the sources of an FMU into a folder; return the files that its description lists."""
     found = contents(data)
     for name, text in found.items():
         if name.startswith("sources/"):
             (folder / Path(name).name).write_bytes(text)
-    build = ET.fromstring(found["sources/buildDescription.xml"])
-    return [file.attrib["name"] for file in build.iter("SourceFile")]
+    build = found.get("sources/buildDescription.xml", found["modelDescription.xml"])
+    return [file.attrib["name"] for tag in ("SourceFile", "ModelExchange/SourceFiles/File")
+            for file in ET.fromstring(build).findall(f".//{tag}")]  # fmt: skip
 
 
 def gcc(folder: Path, *words: str) -> None:
@@ -57,5 +58,5 @@ def program(data: bytes, main: str, folder: Path) -> Path:
     """Compile `main`, a C file of this folder, with the sources of an FMU."""
     files = sources(data, folder)
     (folder / main).write_bytes((Path(__file__).parent / main).read_bytes())
-    gcc(folder, "-DFMI3_OVERRIDE_FUNCTION_PREFIX", *files, main, "-o", "main", "-lm")
+    gcc(folder, *files, main, "-o", "main", "-lm")
     return folder / "main"

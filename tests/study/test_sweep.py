@@ -352,6 +352,24 @@ def test_runs_at_rest_and_large_angles_are_those_of_simulate() -> None:
     assert found["status"][3] == "failed" and "Leave out whole turns" in found["message"][3]
 
 
+@pytest.mark.full
+def test_runs_that_a_clause_ends_are_those_of_simulate() -> None:
+    clause = 'when x < -0.5 [m] then terminate("far"); end when;'
+    text = SPRING.replace("end Spring;", f"{clause} end Spring;")
+    system = lagc.loads(text, "spring.lag").compile(backend="c")
+    ks = [0.1, 1.0, 4.0]
+    for points in (2, 7):
+        found = system.sweep({"k": ks}, keep=["final", "max", "rms"], stop=3, points=points, rtol=1e-8)
+        for row, k in enumerate(ks):
+            run = system.simulate(3, points=points, parameters={"k": k}, rtol=1e-8)
+            assert (found["status"][row], found["t"][row]) == (run.status, run.times[-1])
+            assert found["message"][row] == ("" if run.status == "ok" else run.message)
+            for name in run.columns:
+                assert found[name][row] == run.final[name]
+                assert found[f"max({name})"][row] == max(run.column(name))
+    assert found.counts == {"ok": 1, "terminated": 2}
+
+
 GIVEN: dict[str, Any] = {
     "axes": {"l1": "0.5:1.5:40", "m1": "1:2:25"}, "rtol": 1e-8, "stop": 5, "points": 21,
     "keep": ("final", "rms"),

@@ -26,7 +26,6 @@ from lagc.api import CompiledModel
 from lagc.diagnostics.faults import Refused
 from lagc.host import cache
 from lagc.host.model_library import library_models
-from lagc.kernels import EXPLICIT
 from lagc.simulation.backends.compile import CannotCompile
 from lagc.study.probe import Array, Failed, Late, Probe, Setting
 from tools.benchmarks.tables import Cell, machine, table
@@ -97,7 +96,7 @@ def truth(model: CompiledModel, stop: float, points: int) -> Truth | None:
     if model.interface.relations or model.interface.whens or model.interface.discretes:
         return own_truth(model, stop, points)
 
-    program = pipeline.delivered(model.compilation, False, EXPLICIT)
+    program = pipeline.delivered(model.compilation)
     times = [float(t) for t in np.linspace(0.0, stop, points)]
     x0, values = [float(x) for x in model.start(None)], model._bound(None)
     own = program.interface

@@ -69,7 +69,7 @@ static inline Status wide_rhs_at(const WideParams *p, Wide t, const Wide *x, Wid
 _ATTEMPT = """\
 /* Compute stages, end rate and error of an attempt of each run; `good`: whether its results
  * are those of the scalar functions; 0 before: the lane is empty. */
-static void wide_attempt(Run *const *runs, const double *params, const double *times, const Options *o,
+static void wide_attempt(LaneRun *const *runs, const double *params, const double *times, const Options *o,
     int *good)
 {
     WideParams p;
@@ -78,7 +78,7 @@ static void wide_attempt(Run *const *runs, const double *params, const double *t
     Wide x[NX], t, h, end, sums[2];
     memcpy(&p, params, sizeof p);
     for (int n = 0; n < LANES; n++) {
-        const Run *run = runs[n];
+        const LaneRun *run = runs[n];
         for (int i = 0; i < NX; i++) {
             x[i][n] = run->s.x[i];
             s.k[0][i][n] = run->s.k[0][i];
@@ -94,7 +94,7 @@ static void wide_attempt(Run *const *runs, const double *params, const double *t
         w.error.weights[i] = x[i];
     }
     for (int n = 0; n < LANES; n++) {
-        Run *run = runs[n];
+        LaneRun *run = runs[n];
         good[n] = good[n] && (w.bad[n] == 0);
         if (good[n]) {
             for (int i = 0; i < NX; i++) {
@@ -109,7 +109,7 @@ static void wide_attempt(Run *const *runs, const double *params, const double *t
     }
     wide_dop853_error_sums(h, &s, &w, sums);
     for (int n = 0; n < LANES; n++) {
-        Run *run = runs[n];
+        LaneRun *run = runs[n];
         if (!good[n]) {
             continue;
         }
@@ -140,15 +140,16 @@ typedef struct {
     size_t done;
     int is_planned; /* the step has begun */
     Status status;
-} Run;
+} LaneRun;
 typedef struct {
-    Run runs[LARGEST];
+    LaneRun runs[LARGEST];
     double params[sizeof(Params) / sizeof(double) * LARGEST]; /* a row for each, over the lanes */
-} Runs;
+} LaneRuns;
 """
 _DRIVER = """\
 /* Record the times that are passed, and plan the next attempt; return whether there is one. */
-static int plans_run(Run *run, const double *times, size_t n, double *states, const Options *o, long most)
+static int lane_plans_attempt(LaneRun *run, const double *times, size_t n, double *states, const Options *o,
+    long most)
 {
     const double t1 = times[n - 1];
     State *s = &run->s;
@@ -185,7 +186,7 @@ static int plans_run(Run *run, const double *times, size_t n, double *states, co
 }
 
 /* End an attempt whose stages are known, or else do it here. */
-static void end_attempt(Run *run, double t1, const Options *o, int good)
+static void lane_ends_attempt(LaneRun *run, double t1, const Options *o, int good)
 {
     Trial *a = &run->a;
     Status status = OK;
@@ -204,7 +205,7 @@ GUARD    if (accepts_attempt(&run->p, &run->s, t1, status, o, a, &run->w) != 0) 
     }
 }
 
-size_t NAME_runs_size(void) { return sizeof(Runs); }
+size_t NAME_runs_size(void) { return sizeof(LaneRuns); }
 
 /* Return how many runs this processor does side by side; 0: none. */
 int NAME_lanes(void)
@@ -216,10 +217,10 @@ CHOICE    return 0;
 /* Record `count` runs, each from its params and x[NX] at time 0, at n times: states[n*NX] and a status.
  * INTERRUPTED: the run needs more than `most` attempts. */
 void NAME_record_runs(const Params *p, const double *x, long count, const Options *o, const double *times,
-    size_t n, double *states, int *statuses, long most, Runs *room)
+    size_t n, double *states, int *statuses, long most, LaneRuns *room)
 {
     const int lanes = NAME_lanes();
-    Run *const runs = room->runs, *active[LARGEST];
+    LaneRun *const runs = room->runs, *active[LARGEST];
     int good[LARGEST];
     long next = 0;
     for (int k = 0; k < lanes; k++) {
@@ -228,7 +229,7 @@ void NAME_record_runs(const Params *p, const double *x, long count, const Option
     for (;;) {
         int some = -1;
         for (int k = 0; k < lanes; k++) {
-            Run *run = &runs[k];
+            LaneRun *run = &runs[k];
             active[k] = NULL;
             while (active[k] == NULL) {
                 if (run->number < 0) {
@@ -249,7 +250,8 @@ void NAME_record_runs(const Params *p, const double *x, long count, const Option
                     enter_call(&run->s, &run->w);
                     next++;
                 }
-                if (plans_run(run, times, n, states + ((size_t)run->number * n * NX), o, most) != 0) {
+                double *own = states + ((size_t)run->number * n * NX);
+                if (lane_plans_attempt(run, times, n, own, o, most) != 0) {
                     active[k] = run;
                     some = k;
                 } else {
@@ -268,7 +270,7 @@ void NAME_record_runs(const Params *p, const double *x, long count, const Option
         ATTEMPTS
         for (int k = 0; k < lanes; k++) {
             if (active[k] == &runs[k]) {
-                end_attempt(active[k], times[n - 1], o, good[k]);
+                lane_ends_attempt(active[k], times[n - 1], o, good[k]);
             }
         }
     }
@@ -288,13 +290,10 @@ def lanes(sources: Mapping[str, str], widths: Mapping[int, str] = WIDTHS) -> dic
     others = any(not _called(_function(source, f)) <= known for f, known in CALLS.items())
     if not stages or others or re.search(r"\?|\bint\b|\bstatic const\b", _code(rates)):
         return None
-    # The functions that a step calls, each for a vector of runs; then these for each width, chosen by the
-    # processor at run time.
     called = _called(rates)
-    # The functions over vectors, for any width: types, sine and cosine, functions of C lane by lane, the rest.
+    # The functions over vectors, for any width: types, sines, functions of C lane by lane, and the rest.
     params = re.search(rf"typedef struct (\{{[^{{}}]*\}}) {name}_params;", header)
     assert params is not None
-    # The functions of a run in vectors of any width, from those of the scalar code.
     parts = [_VECTORS.replace("{PARAMS}", _wide(params[1]))]
     if called & {*SINES}:
         near = library(DOUBLE.language).part("sine_cosine_near", {}).text
@@ -303,7 +302,6 @@ def lanes(sources: Mapping[str, str], widths: Mapping[int, str] = WIDTHS) -> dic
     parts += [_wide(rates), _RATES, _wide(stages), _wide(error), _ATTEMPT]
     guards = "hides_event" in _called(_function(source, "find_step"))
     text = "\n".join(parts).replace("GUARDED", "1 || " * guards)
-    # The same for each width, and a driver that takes the widest that the processor has.
     made = [f'#include "{name}.c"\n#include <string.h>\n', _RUN.replace("LARGEST", str(max(WIDTHS)))]
     # Once for each width, with a choice between them when it runs.
     for width, needed in widths.items():

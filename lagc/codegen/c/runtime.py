@@ -253,8 +253,10 @@ def _printed(kernels: Library, constants: Iterable[Part], functions: Iterable[Pa
     texts += [(tuple(part.place[:2]), part.text) for part in functions]
     found = list[str]()
     for place in sorted({place for place, _ in texts}):
-        title = kernels.title(place)
-        found += [_section(title.text, title.note), *(text for where, text in texts if where == place)]
+        title, own = kernels.title(place), [text for where, text in texts if where == place]
+        # A text that is longer than the code tells of a method that this model does not have.
+        note = title.note if len(title.note) < sum(map(len, own)) else ""
+        found += [_section(title.text, note), *own]
     return found
 
 

@@ -1,5 +1,8 @@
 /* The functions of FMI 2.0 over those of FMI 3.0, which are hidden here. */
 #define FMI3_Export
+#ifdef FMI2_FUNCTION_PREFIX
+#define FMI3_FUNCTION_PREFIX FMI2_FUNCTION_PREFIX
+#endif
 #include "lagc_fmi3.c"
 #include "fmi2Functions.h"
 

@@ -52,7 +52,6 @@ def model_header(made: Unit) -> str:
         f"#define M(name) {name}_##name",
         f"#define K(NAME) {upper}_##NAME",
         f"#define TOKEN {quoted(made.token)}",
-        f"#define FMI3_FUNCTION_PREFIX {name}_ /* of sources; FMI3_OVERRIDE_FUNCTION_PREFIX: none */",
         *(f"#define {key} {int(value)}" for key, value in numbers.items()),
         *(f"static {head}[] = {{{', '.join(values) or 0}}};" for head, values in tables.items()),
         "",

@@ -87,8 +87,5 @@ class Verification:
     check_ended: bool  # a clause has ended the check
     predicted: Real  # estimated error at the end, by that so far
     failures: int  # attempts that ended by an error
-    error_before: Real  # of the attempt before, and its tolerance
-    tolerance_before: Real
-    at_random: bool  # round-off decided an earlier attempt
     set_out_time: Real  # of the last comparison at which a quantity has moved twice as far as before
     misses_by_small: bool  # the worst quantity is small in its scaling group

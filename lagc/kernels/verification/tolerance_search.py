@@ -27,8 +27,6 @@ PATIENCE = 1.5  # times the time until which the accuracy is met, before the las
 WAIT = 0.1  # and of the whole time
 FAILED_CHANGE = 1e-3  # of the tolerance, after an attempt that an error ended
 MOST_FAILURES = 2
-ROUNDED = by_type(1e-4, 1e-12, "1e-28")  # tolerance below which round-off may be most of an error
-LUCK = 1.5  # of the margin, where it is: the difference is one sample of it
 
 
 def gives_up(g: Goal, error: Real, part: Real, last: bool, r: Report, v: Verification) -> bool:
@@ -83,29 +81,13 @@ def run_attempt(p: Params, times: Vec[Any], n: Length, g: Goal, scales: Vec[NQUA
     return OK
 
 
-def notice_roundoff(error: Real, r: Report, v: Verification) -> None:
-    """Note that the error of an attempt is round-off: it has not fallen as the tolerance did. That of a later
-    one is another sample of round-off, and may be small by chance."""
-    fall = v.tolerance / v.tolerance_before
-    stays = error * error > fall * v.error_before * v.error_before
-    if r.attempts > 1 and v.tolerance <= ROUNDED and stays:
-        v.at_random = True
-    v.error_before = error
-    v.tolerance_before = v.tolerance
-
-
 def end_attempt(whole: bool, g: Goal, scales: Vec[NQUANTITY], o: Options, r: Report,
                 v: Verification) -> None:  # fmt: skip
-    """Report the outcome of an attempt, which has reached the end if `whole`. Where round-off decides, all
-    errors have a wider margin."""
+    """Report the outcome of an attempt, which has reached the end if `whole`, and its law."""
     r.rhs += v.run.rhs + v.check.rhs
     r.steps = v.run.steps
     r.rtol = v.tolerance
     r.estimated = estimate_errors(scales, g.accuracy, o.method, False, v)
-    if v.at_random:
-        for i in range(NQUANTITY):
-            v.error[i] *= LUCK
-        r.estimated *= LUCK
     g.law = (r.estimated if whole else v.predicted) / v.tolerance
     if not whole:
         r.estimated = inf
@@ -158,9 +140,6 @@ def begin_search(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, o:
     r.attempts = 0
     r.rhs = 0
     v.failures = 0
-    v.error_before = 0.0
-    v.tolerance_before = 1.0
-    v.at_random = False
     v.alone = False
     v.duration = times[n - 1] - times[0]
     v.tolerance = AIM * g.accuracy / g.law if g.law > 0.0 else g.accuracy / PRIOR
@@ -218,7 +197,6 @@ def verified(p: Params, x0: Vec[NX], times: Vec[Any], n: Length, g: Goal, scales
         if last or (whole and r.estimated <= g.accuracy) or (g.most > 0 and r.rhs > g.most):
             return status
         if not lost:
-            notice_roundoff(r.estimated if whole else v.predicted, r, v)
             next_tolerance(g, whole, r, v)
         elif v.failures == MOST_FAILURES:
             return status

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import sys
 from array import array
 from ctypes import byref, c_double, c_int, c_long, c_size_t
 from platform import machine
@@ -24,7 +25,8 @@ class Lanes:
 
     def __init__(self, model: CModel, widths: Mapping[int, str] = WIDTHS):
         sources = lanes(model.sources, widths)
-        if sources is None or machine() not in ("x86_64", "AMD64"):
+        # Compilers for Windows do not align vectors of this length on the stack.
+        if sources is None or machine() != "x86_64" or sys.platform == "win32":
             raise CannotCompile("there are no lanes for this model or this machine")
         self.library, self.prefix = library(sources), model.header[0]
         self.count: int = self._function("lanes")()

@@ -155,10 +155,13 @@ class Runner:
             values, starts = self._given(point)
             plain = self.repeated
             if plain is not None and plain.run(values, self._places(starts), progress):
-                known = 0.0, plain.times[-1], plain.estimated
+                status = float(STATUSES.index("terminated" if plain.ended else "ok"))
+                known, reason = (status, plain.times[-1], plain.estimated), ("", _short(plain.ended))
                 if self.last:
-                    return [*known, *plain.row(len(plain.times) - 1)], None
-                return [*known, *statistics(self.task.keep, plain.times, plain.columns())], None
+                    numbers = [*known, *plain.row(len(plain.times) - 1)]
+                else:
+                    numbers = [*known, *statistics(self.task.keep, plain.times, plain.columns())]
+                return numbers, reason if plain.ended else None
             request = replace(self.task.request, starts=starts)
             return self._of(self.model.simulate(request, values, progress))
         except Refused as refused:
