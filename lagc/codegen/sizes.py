@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from itertools import pairwise
+from itertools import accumulate, chain, pairwise
 from math import isfinite
 from typing import Any
 
@@ -101,15 +101,15 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NPUSHED": pushed, "NLOADS": loaded + pushed,
         "NLOADSLOPES": (loaded + pushed) * nv, "NLOADCOLUMNS": loaded * (nv + interface.nc),
         "NLOADMATRIX": loaded * loaded, "NCURVED": loaded + pushed if interface.curved_loads else 0,
+        "NBLOCK": len(interface.blocks), "NAPART": max(len(interface.blocks) - 1, 0), "NMOVED": nq + nv,
         "NIMPULSE": sum(c.impulse >= 0 for c in interface.contacts), "NLATE": interface.late_relations,
-        "NKNOWN": known,
+        "NKNOWN": known, "NPOISSON": sum(c.poisson for c in interface.contacts),
         "NCON": len(interface.contacts), "NSLIP": sum(c.slips for c in interface.contacts),
         "NSPACE": sum(c.slips == 2 for c in interface.contacts),
         "NTWO": sum(c.normals > 0 for c in interface.contacts),
         "NNORMAL": normals, "NNORMALROWS": normals * known,
         "NNORMALEFFECTS": normals * rows,
         "NBESIDE": max(rows - 1, 0), "NPLAIN": relations - rows, "NSAMPLED": rows + interface.late_relations,
-        "NPOISSON": sum(c.poisson for c in interface.contacts),
         "NLEAP": len(interface.whens) + len(interface.contacts),
         "NBOX": 2 * (1 + nq + nv) + len(interface.discretes),
         "NQUANTITY": nq + nv + len(interface.outputs) + len(interface.discretes),
@@ -191,6 +191,7 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "clauses_only": [int(aside) for aside in interface.relations_aside],
         "terminates": [int(c.reason is not None) for c in interface.whens],
         "reinit_clause": [k for k, c in enumerate(interface.whens) for _ in c.states],
+        **blocks_of(interface),
         "contact_first": [
             k + sum(c.slips for c in interface.contacts[:k]) for k in range(len(interface.contacts))
         ],
@@ -209,6 +210,32 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],
         "derived_bounds": [(f.minimum, f.maximum) for f in interface.limits],
     }  # fmt: skip
+
+
+def blocks_of(interface: Interface) -> dict[str, list[int]]:
+    """Return the tables of the blocks of contacts."""
+    nq, nv, blocks = interface.nq, interface.nv, interface.blocks
+    owner = {i: number for number, block in enumerate(blocks) for i in block.contacts}
+    tied = {i: number for number, block in enumerate(blocks) for i in block.rows}
+    return {
+        "contact_block": [owner[i] for i in range(len(interface.contacts))],
+        "row_block": [owner[i] for i, c in enumerate(interface.contacts) for _ in range(c.slips + 1)],
+        "equation_block": [tied.get(i, -1) for i in range(interface.nc)],
+        "block_timed": [int(block.timed) for block in blocks],
+        **in_blocks("contact", [block.contacts for block in blocks], len(interface.contacts)),
+        **in_blocks("speed", [block.speeds for block in blocks], nv),
+        **in_blocks(
+            "state", [(*block.coordinates, *(nq + j for j in block.speeds)) for block in blocks], nq + nv
+        ),
+    }
+
+
+def in_blocks(name: str, blocks: Sequence[Sequence[int]], count: int) -> dict[str, list[int]]:
+    """Return the members of blocks in a row, those of no block last, and where each block begins and ends."""
+    members = list(chain.from_iterable(blocks))
+    ends = list(accumulate(map(len, blocks), initial=0))
+    rest = sorted({*range(count)} - {*members})
+    return {f"block_{name}": [*members, *rest], f"{name}_begin": ends[:-1], f"{name}_end": ends[1:]}
 
 
 def marked(nq: int, speeds: Sequence[int], count: int) -> list[int]:

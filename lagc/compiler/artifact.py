@@ -15,13 +15,13 @@ from lagc.base.records import dataclass, names
 from lagc.host import cache
 from lagc.host.cache import tool_fingerprint
 from lagc.host.model_library import LARGEST_DATA, Unreadable, content, fingerprint
-from lagc.lowering.program import Clause, Contact, Field, Interface
+from lagc.lowering.program import Block, Clause, Contact, Field, Interface
 from lagc.version import __version__
 
 # The fields of an interface that hold records, and their types.
 FIELDS: dict[str, type] = {
     "parameters": Field, "inputs": Field, "outputs": Field, "limits": Field, "whens": Clause,
-    "discretes": Field, "contacts": Contact,
+    "discretes": Field, "contacts": Contact, "blocks": Block,
 }  # fmt: skip
 
 

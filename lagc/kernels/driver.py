@@ -7,6 +7,7 @@ section II.4; L. F. Shampine, I. Gladwell, R. W. Brankin, ACM Trans. Math. Softw
 from math import fabs
 
 from lagc.kernels.call_boundary import evaluate_start, keep_parameters, report_culprit
+from lagc.kernels.contact.kept_blocks import keep_blocks
 from lagc.kernels.contact.slips import keep_slip_errors, time_to_stop, turns_fast
 from lagc.kernels.contact.touching import forget_forces, put_on_constraints, rates_at
 from lagc.kernels.events.contact_events import pass_event
@@ -493,7 +494,11 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
         status = begin_step(p, s, o, a, w)
         if failed(status):
             return report_culprit(s, status, w)
+    if NCON > 0:
+        keep_blocks(True, w)
     status = find_step(p, s, t1, goal, o, a, w)
+    if NCON > 0:
+        keep_blocks(False, w)
     if not a.is_accepted:
         return status
     accept_step(p, s, t1, o, a, w)

@@ -12,7 +12,8 @@ from lagc.diagnostics.faults import Fault, Span
 from lagc.diagnostics.suggest import moments as moments_remedy
 from lagc.host import cache
 from lagc.lowering.event_relations import EventRelation
-from lagc.lowering.program import Clause, Contact, Field, Function, Interface
+from lagc.lowering.kkt.prune import Components
+from lagc.lowering.program import Block, Clause, Contact, Field, Function, Interface
 from lagc.lowering.series import counts
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.semantics.model import Discrete, Input, Lagrangian, Limit, Model, Parameter
@@ -30,7 +31,7 @@ _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
     "initial_places", "relations", "timed", "flowing", "driven", "doubtful", "derivatives",
     "part_ends", "part_columns", "written", "conservative", "series", "methods",
-    "scales", "events",
+    "scales", "events", "blocks",
 )  # fmt: skip
 _OPTIONAL = (
     "contacts", "late_relations", "loading_rows", "held_rows", "pushed_contacts", "servos", "curved_loads",
@@ -78,6 +79,7 @@ def interface(
         nz=1 if work else 0,
         whens=_clauses(equations, int(work)),
         contacts=_contacts(equations, int(work)),
+        blocks=_blocks(equations, bool(loads.get("loading_rows") or loads.get("pushed_contacts"))),
         **_of_equations(equations),
         **_of_functions(functions, slopes),
         **_of_discretes(model),
@@ -116,6 +118,30 @@ def _contacts(equations: EquationsOfMotion, nz: int) -> tuple[Contact, ...]:
                 c.contact.bounds_rate)
         for c in equations.contacts
     ])  # fmt: skip
+
+
+def _blocks(equations: EquationsOfMotion, loaded: bool) -> tuple[Block, ...]:
+    """Return the blocks of contacts: systems whose motions do not depend on each other. All contacts are one
+    block if loads depend on reactions, `loaded`, or if one is two-sided."""
+    contacts, q, v = equations.contacts, equations.q, equations.v
+    rows = [row.multiplier for row in equations.rows]
+    components = Components(equations)
+    if loaded or any(contact.normals for contact in contacts):
+        components.tie([(v[0], symbol) for symbol in (*q, *v, *rows, *(c.contact.state for c in contacts))])
+    # A component that reads another one's states depends on them.
+    components.tie([(a, b) for a, nodes in components.read for b in symbols(nodes) if b in components.leader])
+    leaders = [components.find(contact.contact.state) for contact in contacts]
+    timed = {components.find(a) for a, nodes in components.read if equations.time in symbols(nodes)}
+
+    def places(found: Sequence[Node], own: Node) -> tuple[int, ...]:
+        return tuple([i for i, symbol in enumerate(found) if components.find(symbol) is own])
+
+    return tuple(
+        [
+            Block(places(leaders, own), places(q, own), places(v, own), places(rows, own), own in timed)
+            for own in dict.fromkeys(leaders)
+        ]
+    )
 
 
 def _of_equations(equations: EquationsOfMotion) -> dict[str, Any]:

@@ -160,6 +160,17 @@ class Contact:
     bounds_rate: bool = False  # its gap is one between velocities
 
 
+@dataclass(frozen=True)
+class Block:
+    """Contacts of a system whose motion does not depend on others, as indices."""
+
+    contacts: tuple[int, ...]
+    coordinates: tuple[int, ...]
+    speeds: tuple[int, ...]
+    rows: tuple[int, ...]  # constraint equations
+    timed: bool  # it depends on time itself
+
+
 def _ranges(sizes: Mapping[str, int]) -> dict[str, range]:
     """Return the ranges of parts that follow each other."""
     found, first = dict[str, range](), 0
@@ -223,6 +234,7 @@ class Interface:
     booleans: tuple[int, ...] = ()  # 1: a truth value, stored as 0 or 1
     features: int = 0  # terms that may be narrow
     contacts: tuple[Contact, ...] = ()  # the last of `discretes` and of `relations`
+    blocks: tuple[Block, ...] = ()  # of contacts
     poles: int = 0  # divisors that may come near zero
     late_relations: int = 0  # those that accelerations or reactions decide, before those of contacts
     loading_rows: tuple[int, ...] = ()  # constraint equations whose multipliers loads depend on

@@ -1,6 +1,7 @@
 """Speed and accuracy beside other tools, measured in one run.
 
     python -m tools.benchmarks [--quick] [--write] [--json FILE]
+    python -m tools.benchmarks contacts    (separate contacts, beside MuJoCo)
     python -m tools.benchmarks growth | runs | stages | startup | verified    (of lagc alone)
 
 Other tools are used if they are installed: pip install -e '.[peers]'.
@@ -18,7 +19,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from tools.benchmarks.measured import Report
 
-OTHERS = ("growth", "runs", "stages", "startup", "verified")
+OTHERS = ("contacts", "growth", "runs", "stages", "startup", "verified")
 
 
 def main() -> int:

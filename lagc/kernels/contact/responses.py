@@ -51,31 +51,52 @@ def solve_motion(w: Work) -> None:
         w.contacts.solution[:NV] = w.a
 
 
-def respond(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
-    """Compute w.contacts.responses, X by rows, and w.contacts.law.W for the rows w.contacts.rows of listed
-    contacts."""
-    law = w.contacts.law
-    # One factorization, then one solve for each row.
+def set_responses(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
+    """Compute w.contacts.responses, X by slots, for the rows w.contacts.rows of listed contacts."""
     status = factor_motion(p, t, x, w)
     if failed(status):
         return status
-    # Column r of X = K^-1 R^T and of W = R X.
-    for r in range(law.rows):
-        row = w.contacts.touching_rows[r]
+    # X = K^-1 R^T: one factorization, then one solve for each slot. Rows of different blocks move different
+    # speeds, so one solve has the responses to a row of each block, side by side (A. R. Curtis, M. J. D.
+    # Powell, J. K. Reid, J. Inst. Math. Appl. 13 (1974) 117-119).
+    for slot in range(w.contacts.slots):
         for k in range(NR):
             w.contacts.rhs[k] = 0.0
-        for j in range(NV):
-            w.contacts.rhs[j] = w.contacts.rows[row * NV + j]
+        for r in range(w.contacts.law.rows):
+            if w.contacts.slot[r] == slot:
+                row = w.contacts.touching_rows[r]
+                for c in range(speed_begin[row_block[row]], speed_end[row_block[row]]):
+                    j = block_speed[c]
+                    w.contacts.rhs[j] = w.contacts.rows[row * NV + j]
         solve_motion(w)
         for k in range(NR):
-            w.contacts.responses[r * NR + k] = w.contacts.solution[k]
+            w.contacts.responses[slot * NR + k] = w.contacts.solution[k]
+    return OK
+
+
+def set_delassus(w: Work) -> None:
+    """Set w.contacts.law.W = R X of the listed rows."""
+    law = w.contacts.law
+    for r in range(law.rows):
+        block = row_block[w.contacts.touching_rows[r]]
         for q in range(law.rows):
             total = 0.0
             other = w.contacts.touching_rows[q]
-            for j in range(NV):
-                total += w.contacts.rows[other * NV + j] * w.contacts.solution[j]
+            if row_block[other] == block:
+                for c in range(speed_begin[block], speed_end[block]):
+                    j = block_speed[c]
+                    total += (
+                        w.contacts.rows[other * NV + j] * w.contacts.responses[w.contacts.slot[r] * NR + j]
+                    )
             law.W[q * law.rows + r] = total
-    return OK
+
+
+def respond(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
+    """Compute w.contacts.responses and w.contacts.law.W for the rows w.contacts.rows of listed contacts."""
+    status = set_responses(p, t, x, w)
+    if not failed(status):
+        set_delassus(w)
+    return status
 
 
 def set_accelerations(a: Vec[NX], w: Work) -> None:
@@ -86,7 +107,8 @@ def set_accelerations(a: Vec[NX], w: Work) -> None:
         row = w.contacts.touching_rows[r]
         total = w.contacts.bias[row]
         magnitude = fabs(total)
-        for j in range(NV):
+        for c in range(speed_begin[row_block[row]], speed_end[row_block[row]]):
+            j = block_speed[c]
             each = w.contacts.rows[row * NV + j] * a[NQ + j]
             total += each
             magnitude += fabs(each)
@@ -104,34 +126,39 @@ def largest_scaled(w: Work) -> Real:
     return largest
 
 
-def response_to_forces(j: int, before: Real, largest: Real, w: Work) -> Real:
-    """Return a speed, acceleration or displacement with X p added. One that this cancels to round-off is
-    zero: what lies at rest has no motion whose error could be measured. The round-off of each force is that
-    of the largest one, as they solve equations together."""
+def response_to_forces(j: int, block: int, before: Real, largest: Real, w: Work) -> Real:
+    """Return a speed, acceleration or displacement of a block with X p added. One that this cancels to
+    round-off is zero: what lies at rest has no motion whose error could be measured. The round-off of each
+    force is that of the largest one, as they solve equations together."""
     # a + X p with the sum of its terms. |p| is bounded by the largest scaled force: a small force that comes
     # from a system with large ones has their round-off.
     total = before
     terms = fabs(before)
     for r in range(w.contacts.law.rows):
-        response = w.contacts.responses[r * NR + j]
-        total += response * w.contacts.law.p[r]
-        terms += fabs(response) * w.contacts.law.scale[r] * largest
+        if row_block[w.contacts.touching_rows[r]] == block:
+            response = w.contacts.responses[w.contacts.slot[r] * NR + j]
+            total += response * w.contacts.law.p[r]
+            terms += fabs(response) * w.contacts.law.scale[r] * largest
     return total if fabs(total) > CANCELLED * SPACING * terms else 0.0
 
 
 def add_responses(values: Vec[NX], w: Work) -> None:
     """Add X p to the speeds of `values`."""
     for r in range(w.contacts.law.rows):
-        for j in range(NV):
-            values[NQ + j] += w.contacts.responses[r * NR + j] * w.contacts.law.p[r]
+        block = row_block[w.contacts.touching_rows[r]]
+        for c in range(speed_begin[block], speed_end[block]):
+            j = block_speed[c]
+            values[NQ + j] += w.contacts.responses[w.contacts.slot[r] * NR + j] * w.contacts.law.p[r]
 
 
 def add_cancelling(values: Vec[NX], w: Work) -> None:
     """Add X p to the speeds, or accelerations, of `values`, of forces that solve equations with
     w.contacts.law.scale."""
     largest = largest_scaled(w)
-    for j in range(NV):
-        values[NQ + j] = response_to_forces(j, values[NQ + j], largest, w)
+    for block in range(w.contacts.first_block, w.contacts.last_block):
+        for c in range(speed_begin[block], speed_end[block]):
+            j = block_speed[c]
+            values[NQ + j] = response_to_forces(j, block, values[NQ + j], largest, w)
 
 
 def follow_loads(w: Work) -> bool:

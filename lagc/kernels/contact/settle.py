@@ -59,9 +59,26 @@ LONGEST_AFTER_BOUNCE = 64.0  # next step, over the time of flight
 MOST_PENETRATION = 1e-6  # of the terms of a gap: a contact that touched goes on to do so within it
 
 
+def spare_blocks(w: Work) -> None:
+    """Clear w.contacts.touched of blocks in which nothing happens."""
+    for i in range(NCON):
+        if w.settling.acts[contact_block[i]] == 0:
+            w.contacts.touched[i] = 0
+
+
+def find_acting_blocks(w: Work) -> None:
+    """Set w.settling.acts: at an event, blocks without a hit go on as before, as their forces do not depend
+    on others; else all act."""
+    for block in range(NBLOCK):
+        w.settling.acts[block] = 0 if w.settling.go_on else 1
+    for i in range(NCON):
+        if w.settling.hit[i] > 0:
+            w.settling.acts[contact_block[i]] = 1
+
+
 def find_near_contacts(p: Params, s: State, w: Work) -> None:
-    """Set w.contacts.touched to contacts that touch, are hit, or are within round-off of touching, and to
-    bounds of velocities, which any impulse may hit."""
+    """Set w.contacts.touched to contacts of blocks that act which touch, are hit, or are within round-off of
+    touching, and to bounds of velocities, which any impulse may hit."""
     # A contact touches by its mode or by its hit; one that a jump has put apart does not.
     set_gaps(p, s.t, s.x, w)
     estimate_indicator_roundoff(p, s, s.x, w)
@@ -71,6 +88,7 @@ def find_near_contacts(p: Params, s: State, w: Work) -> None:
         touches = s.x[NX - NCON + i] != 0.0 or w.settling.hit[i] > 0
         w.contacts.touched[i] = 1 if (touches or near) and w.settling.hit[i] != PARTS else 0
         w.contacts.modes[i] = 1
+    spare_blocks(w)
 
 
 def set_speeds(s: State, w: Work) -> None:
@@ -351,6 +369,7 @@ def keep_closed(p: Params, s: State, w: Work) -> Status:
     impact, or leave."""
     status = OK
     find_touching(s.x, w)
+    spare_blocks(w)
     for i in range(NCON):
         if contact_bounds_rate[i] > 0 and w.settling.hit[i] == REACHES:
             w.contacts.touched[i] = 1
@@ -378,6 +397,7 @@ def keep_mode(i: int, s: State, w: Work) -> None:
 def settle_states(p: Params, s: State, w: Work) -> Status:
     """Do what contacts do at (s.t, s.x), with the hits w.settling.hit. Their modes in s.x follow."""
     # Every record of this event begins empty: impulses, losses, who leaves and who rests.
+    find_acting_blocks(w)
     find_near_contacts(p, s, w)
     for i in range(NCON):
         w.settling.struck[i] = 0.0
@@ -417,10 +437,12 @@ def settle_states(p: Params, s: State, w: Work) -> Status:
     # The decision becomes the state: the modes of contacts are part of x. Bounces of a closed contact are
     # over.
     for i in range(NCON):
-        keep_mode(i, s, w)
+        if w.settling.acts[contact_block[i]] > 0:
+            keep_mode(i, s, w)
     # Round-off of the speeds of closed contacts is removed; the axes of slips follow the final speeds.
     if not find_touching(s.x, w):
         return OK
+    spare_blocks(w)
     list_contacts(True, w)
     status = close(p, s.t, s.x, w)
     if NTWO > 0:

@@ -12,6 +12,7 @@ from math import fabs, sqrt
 
 from lagc.kernels.arithmetic.quaternions import normalise
 from lagc.kernels.constraints.projection import project
+from lagc.kernels.contact.kept_blocks import keep_block, recall_blocks
 from lagc.kernels.contact.law import CONTACT_SLIPS, CONTACT_STICKS, shares_force, solve_frozen
 from lagc.kernels.contact.modes import LAW_FOUND, LAW_NONE, set_law
 from lagc.kernels.contact.normal_forces import set_normals_given, solve_touching
@@ -25,7 +26,9 @@ from lagc.kernels.contact.responses import (
     respond,
     response_to_forces,
     set_accelerations,
+    set_delassus,
     set_loads,
+    set_responses,
 )
 from lagc.kernels.contact.shares import AT_BOUND, share_load
 from lagc.kernels.dynamics.loaded_reactions import MOST_LOAD_STEPS, motion_at
@@ -53,16 +56,26 @@ def find_touching(x: Vec[NX], w: Work) -> bool:
     return found
 
 
-def list_contacts(sliding: bool, w: Work) -> None:
-    """List the contacts in w.contacts.touched for the law, closed in the modes w.contacts.modes and without
-    friction, and with slip rows if `sliding`; else for displacements, which bounds of velocities do not
-    restrict."""
+def list_blocks(first: int, last: int, sliding: bool, w: Work) -> None:
+    """List the contacts in w.contacts.touched of blocks first..last - 1 for the law, closed in the modes
+    w.contacts.modes and without friction, and with slip rows if `sliding`; else for displacements, which
+    bounds of velocities do not restrict."""
     law = w.contacts.law
-    # Entry n of the law is contact touching[n]; its row r is row touching_rows[r] of all contacts.
+    w.contacts.first_block = first
+    w.contacts.last_block = last
+    w.contacts.slots = 0
+    # Entry n of the law is contact touching[n]; its row r is row touching_rows[r] of all contacts, and row
+    # slot[r] of its block.
     n = 0
     m = 0
-    for i in range(NCON):
+    block = first
+    slot = 0
+    for c in range(contact_begin[first], contact_end[last - 1]):
+        i = block_contact[c]
         if w.contacts.touched[i] > 0 and (sliding or contact_bounds_rate[i] == 0):
+            if contact_block[i] != block:
+                block = contact_block[i]
+                slot = 0
             w.contacts.touching[n] = i
             law.first[n] = m
             law.slips[n] = contact_slips[i] if sliding else 0
@@ -77,10 +90,19 @@ def list_contacts(sliding: bool, w: Work) -> None:
             law.direction[2 * n + 1] = 0.0
             for k in range(law.slips[n] + 1):
                 w.contacts.touching_rows[m] = contact_first[i] + k
+                w.contacts.slot[m] = slot
+                slot += 1
                 m += 1
+            if slot > w.contacts.slots:
+                w.contacts.slots = slot
             n += 1
     law.count = n
     law.rows = m
+
+
+def list_contacts(sliding: bool, w: Work) -> None:
+    """List the contacts in w.contacts.touched of all blocks."""
+    list_blocks(0, size(NBLOCK), sliding, w)
 
 
 def set_slip_directions(w: Work) -> None:
@@ -119,13 +141,19 @@ def slip_along(i: int, rates: Vec[NMODE], w: Work) -> Real:
     return w.contacts.slip_axes[2 * i] * rates[k] + w.contacts.slip_axes[2 * i + 1] * rates[k + 1]
 
 
+def list_frictions(w: Work) -> None:
+    """Set the friction of the listed contacts to w.contacts.frictions."""
+    if NSLIP > 0:
+        for n in range(w.contacts.law.count):
+            w.contacts.law.friction[n] = w.contacts.frictions[2 * w.contacts.touching[n]]
+            w.contacts.law.static_friction[n] = w.contacts.frictions[2 * w.contacts.touching[n] + 1]
+
+
 def set_frictions(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """Set the friction of the listed contacts at (t, x)."""
     if NSLIP > 0:
         fn_frictions_on(p, t, x, w.modes, w.contacts.frictions)
-        for n in range(w.contacts.law.count):
-            w.contacts.law.friction[n] = w.contacts.frictions[2 * w.contacts.touching[n]]
-            w.contacts.law.static_friction[n] = w.contacts.frictions[2 * w.contacts.touching[n] + 1]
+        list_frictions(w)
 
 
 def cone_margin(i: int, w: Work) -> Real:
@@ -185,44 +213,52 @@ def set_margins_of_block(block: int, w: Work) -> None:
                     w.contacts.cone_margins[i] = size if opens or law.lack[n] == 0.0 else -law.lack[n]
 
 
+def force_roundoff(n: int, k: int, w: Work) -> Real:
+    """Return the round-off of the force along row k of a listed contact: that of its acceleration over its
+    response. It is zero for contacts that share a load, which cross at once, and along a slip that
+    constraints hold."""
+    law = w.contacts.law
+    row = law.first[n] + k
+    response = law.W[row * law.rows + row]
+    if law.shared[n] > 0 or not response > 0.0:
+        return 0.0
+    return CONTACT_ROUNDOFF * law.terms[row] / response
+
+
 def set_margins(w: Work) -> None:
     """Set w.contacts.force_margins and w.contacts.cone_margins of the listed contacts, by w.contacts.forces:
     what falls to zero where they open or slip. Contacts that share a load do so where no shares bear it;
-    those of a block that are at the bounds of their cones begin."""
+    those of a block that are at the bounds of their cones begin. Set their round-off."""
     law = w.contacts.law
     # Each contact by itself: its normal force, and the friction that is left to it.
     for n in range(law.count):
         i = w.contacts.touching[n]
         w.contacts.force_margins[i] = w.contacts.forces[contact_first[i]]
+        w.contacts.force_roundoff[i] = force_roundoff(n, 0, w)
         if NSLIP > 0:
             w.contacts.cone_margins[i] = cone_margin(i, w) if law.mode[n] == CONTACT_STICKS else 0.0
+            w.contacts.cone_roundoff[i] = w.contacts.force_roundoff[i]
+            for k in range(law.slips[n]):
+                w.contacts.cone_roundoff[i] += force_roundoff(n, 1 + k, w)
     if NBESIDE > 0:
         for n in range(law.count):
             if law.shared[n] > 0 and law.block[n] == n:
                 set_margins_of_block(n, w)
 
 
-def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
-    """Add the forces w.contacts.law.p to rates and multipliers, and store them in w.contacts.forces and their
-    samples."""
-    # Loads of normal forces do work too: `store_rates` reads the forces of contacts.
+def take_forces(xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
+    """Add the forces w.contacts.law.p to accelerations and multipliers, and store them in w.contacts.pushes,
+    w.contacts.forces and their samples."""
     law = w.contacts.law
-    if NPUSHED > 0:  # the power of their loads
-        for r in range(law.rows):
-            w.contacts.forces[w.contacts.touching_rows[r]] = law.p[r]
     # a = a0 + X p and lam = lam0 + X_lam p. Accelerations that cancel to round-off become zero.
     add_cancelling(xdot, w)
     for i in range(NC):
         for r in range(law.rows):
-            lam[i] += w.contacts.responses[r * NR + NV + i] * law.p[r]
-    # The work integral follows from the accelerations with contacts.
-    if NZ > 0:
-        w.a[:] = part(xdot, NQ, NQ + NV)
-        w.qdot[:] = part(xdot, 0, NQ)
-        store_rates(p, t, x, xdot, lam, w)
+            if row_block[w.contacts.touching_rows[r]] == equation_block[i]:
+                lam[i] += w.contacts.responses[w.contacts.slot[r] * NR + NV + i] * law.p[r]
     for r in range(law.rows):
-        row = w.contacts.touching_rows[r]
-        w.contacts.forces[row] = law.p[r]
+        w.contacts.pushes[w.contacts.touching_rows[r]] = law.p[r]
+        w.contacts.forces[w.contacts.touching_rows[r]] = law.p[r]
     # Where no shares bear the load, those that leave the least of it stand for the forces: their margins tell
     # which contact gives way.
     if NBESIDE > 0:
@@ -231,20 +267,36 @@ def take_forces(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
             if law.lack[law.contact[e]] > 0.0:
                 w.contacts.forces[w.contacts.touching_rows[row]] = law.scale[row] * law.share[e]
     set_margins(w)
-    # Power of the contact forces themselves: p . R v, zero but for slips.
-    for r in range(law.rows):
-        row = w.contacts.touching_rows[r]
-        if NZ > 0:
-            for j in range(NV):
-                xdot[NQ + NV] += law.p[r] * w.contacts.rows[row * NV + j] * x[NQ + j]
+
+
+def sample_forces(w: Work) -> None:
+    """Add the margins of contacts that touch to their ranges."""
     # Forces are sampled at each evaluation: the range of samples takes the place of an enclosure, as a force
     # needs a solve.
-    for n in range(law.count):
-        contact = w.contacts.touching[n]
-        add_sample(NMODE - NCON + contact, w.contacts.force_margins[contact], w)
-        if NSLIP > 0:
-            if law.mode[n] == CONTACT_STICKS:
-                add_sample(slip_relation(contact), w.contacts.cone_margins[contact], w)
+    for i in range(NCON):
+        if w.contacts.touched[i] > 0:
+            add_sample(NMODE - NCON + i, w.contacts.force_margins[i], w)
+            if NSLIP > 0:
+                if w.contacts.modes[i] == 2 and contact_slips[i] > 0:
+                    add_sample(slip_relation(i), w.contacts.cone_margins[i], w)
+
+
+def store_power(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
+    """Set the rate of the work integral for accelerations, multipliers and forces of contacts."""
+    if NZ > 0:
+        # The work integral follows from the accelerations with contacts. Loads of normal forces do work too.
+        w.a[:] = part(xdot, NQ, NQ + NV)
+        w.qdot[:] = part(xdot, 0, NQ)
+        store_rates(p, t, x, xdot, lam, w)
+        # Power of the contact forces themselves: p . R v, zero but for slips.
+        for i in range(NCON):
+            if w.contacts.touched[i] > 0:
+                block = contact_block[i]
+                for row in range(contact_first[i], contact_first[i] + contact_slips[i] + 1):
+                    for c in range(speed_begin[block], speed_end[block]):
+                        j = block_speed[c]
+                        power = w.contacts.pushes[row] * w.contacts.rows[row * NV + j]
+                        xdot[NQ + NV] += power * x[NQ + j]
 
 
 def open_push(w: Work) -> int:
@@ -312,6 +364,32 @@ def solve_loaded(
     return PARADOX
 
 
+def solve_block(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
+    """Add the forces of the listed contacts, in the modes in which they are listed, to xdot and lam. Their
+    rows and responses are known."""
+    if NSPACE > 0:
+        set_slip_directions(w)
+    list_frictions(w)
+    if NLOADS > 0:
+        status = solve_loaded(p, t, x, xdot, lam, False, w)
+        if failed(status):
+            return status
+    else:
+        set_delassus(w)
+        set_accelerations(xdot, w)
+        if NTWO > 0:
+            set_normals_given(xdot, lam, w)
+        if not solve_touching(w):
+            w.culprit = w.contacts.touching[w.contacts.law.culprit]
+            return PARADOX
+    # Forces that are not unique are the smallest ones in the cones: a rule that depends on x smoothly and not
+    # on the order of the contacts.
+    if NBESIDE > 0:
+        bear_load(w)
+    take_forces(xdot, lam, w)
+    return OK
+
+
 def moves_freely(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
     """Compute xdot and lam with loads that depend on reactions where no contact touches; a culprit of PARADOX
     is counted behind the contacts."""
@@ -321,11 +399,37 @@ def moves_freely(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w:
     return status
 
 
+def solve_blocks(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
+    """Add the forces of contacts in w.contacts.touched to accelerations and multipliers, block by block."""
+    fn_contact_rows_on(p, t, x, w.modes, w.contacts.rows, w.contacts.speeds, w.contacts.bias)
+    if NSLIP > 0:
+        fn_frictions_on(p, t, x, w.modes, w.contacts.frictions)
+    if NTWO > 0:
+        fn_normals_on(p, t, x, w.modes, w.contacts.normal_rows, w.contacts.normal_bias)
+    list_contacts(True, w)
+    if NLOADS > 0:
+        keep_begin(xdot, lam, w)
+    else:
+        status = set_responses(p, t, x, w)
+        if failed(status):
+            return status
+    for block in range(NBLOCK):
+        if NAPART > 0:
+            list_blocks(block, block + 1, True, w)
+        if w.contacts.law.count > 0:
+            status = solve_block(p, t, x, xdot, lam, w)
+            if failed(status):
+                return status
+            keep_block(block, x, xdot, lam, w)
+    return OK
+
+
 def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
     """Compute xdot and lam at (t, x) with the contacts that touch by the modes in x, and their forces."""
     # Forces of open contacts are zero, also where this evaluation ends early.
     for r in range(NCROW):
         w.contacts.forces[r] = 0.0
+        w.contacts.pushes[r] = 0.0
     # Without contacts these loads are solved by `motion_at`, which is cheaper.
     if NLOADED > 0:
         if not find_touching(x, w):
@@ -333,33 +437,13 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
     status = rhs_at(p, t, x, xdot, lam, w)
     if failed(status) or not find_touching(x, w):
         return status
-    # The rows of contacts that touch, and their law in the modes of the step.
-    fn_contact_rows_on(p, t, x, w.modes, w.contacts.rows, w.contacts.speeds, w.contacts.bias)
-    list_contacts(True, w)
-    if NSPACE > 0:
-        set_slip_directions(w)
-    set_frictions(p, t, x, w)
-    if NLOADS > 0:
-        keep_begin(xdot, lam, w)
-        status = solve_loaded(p, t, x, xdot, lam, False, w)
+    if recall_blocks(x, xdot, lam, w):
+        status = solve_blocks(p, t, x, xdot, lam, w)
         if failed(status):
             return status
-    else:
-        status = respond(p, t, x, w)
-        if failed(status):
-            return status
-        set_accelerations(xdot, w)
-        if NTWO > 0:
-            fn_normals_on(p, t, x, w.modes, w.contacts.normal_rows, w.contacts.normal_bias)
-            set_normals_given(xdot, lam, w)
-        if not solve_touching(w):
-            w.culprit = w.contacts.touching[w.contacts.law.culprit]
-            return PARADOX
-    # Forces that are not unique are the smallest ones in the cones: a rule that depends on x smoothly and not
-    # on the order of the contacts.
-    if NBESIDE > 0:
-        bear_load(w)
-    take_forces(p, t, x, xdot, lam, w)
+    find_touching(x, w)
+    sample_forces(w)
+    store_power(p, t, x, xdot, lam, w)
     return OK
 
 
@@ -372,7 +456,11 @@ def displace_contacts(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """Move the coordinates by the displacement X w.contacts.law.p."""
     largest = largest_scaled(w)
     for j in range(NV):
-        w.contacts.solution[j] = response_to_forces(j, 0.0, largest, w)
+        w.contacts.solution[j] = 0.0
+    for block in range(w.contacts.first_block, w.contacts.last_block):
+        for c in range(speed_begin[block], speed_end[block]):
+            moved = block_speed[c]
+            w.contacts.solution[moved] = response_to_forces(moved, block, 0.0, largest, w)
     if HAS_DISPLACE:
         fn_displace(p, t, x, w.contacts.solution, w.contacts.shift)
         for i in range(NQ):
@@ -440,19 +528,30 @@ def seat(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     return OK
 
 
+def stop(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
+    """Remove the rates w.contacts.speeds of the listed rows by the least change of the speeds in the metric
+    of the mass matrix."""
+    moves = False
+    for r in range(w.contacts.law.rows):
+        w.contacts.law.b[r] = w.contacts.speeds[w.contacts.touching_rows[r]]
+        w.contacts.law.terms[r] = 0.0
+        if w.contacts.law.b[r] != 0.0:
+            moves = True
+    if not moves:
+        return OK
+    status = respond(p, t, x, w)
+    if failed(status):
+        return status
+    solve_frozen(w.contacts.law)
+    add_cancelling(x, w)
+    return OK
+
+
 def close(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     """Change the speeds so that the gaps of the listed contacts keep their lengths, and those that stick do
     not slip, by the least change in the metric of the mass matrix."""
     fn_contact_rows_on(p, t, x, w.modes, w.contacts.rows, w.contacts.speeds, w.contacts.bias)
-    status = respond(p, t, x, w)
-    if failed(status):
-        return status
-    for r in range(w.contacts.law.rows):
-        w.contacts.law.b[r] = w.contacts.speeds[w.contacts.touching_rows[r]]
-        w.contacts.law.terms[r] = 0.0
-    solve_frozen(w.contacts.law)
-    add_cancelling(x, w)
-    return OK
+    return stop(p, t, x, w)
 
 
 def put_on_constraints(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> Status:
@@ -460,12 +559,20 @@ def put_on_constraints(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Wo
     status = project(p, t, x, sizes, w)
     if failed(status) or not find_touching(x, w):
         return status
-    list_contacts(False, w)
-    status = seat(p, t, x, w)
-    if failed(status):
-        return status
-    list_contacts(True, w)
-    return close(p, t, x, w)
+    for block in range(NBLOCK):
+        list_blocks(block, block + 1, False, w)
+        if w.contacts.law.count > 0:
+            status = seat(p, t, x, w)
+            if failed(status):
+                return status
+    fn_contact_rows_on(p, t, x, w.modes, w.contacts.rows, w.contacts.speeds, w.contacts.bias)
+    for block in range(NBLOCK):
+        list_blocks(block, block + 1, True, w)
+        if w.contacts.law.count > 0:
+            status = stop(p, t, x, w)
+            if failed(status):
+                return status
+    return OK
 
 
 @public

@@ -201,7 +201,7 @@ def store_rates(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
     xdot[NQ : NQ + NV] = w.a
     if NZ > 0:
         if NPUSHED > 0:
-            fn_pushed_work_on(p, t, x, w.modes, w.a, lam, w.contacts.forces, w.power)
+            fn_pushed_work_on(p, t, x, w.modes, w.a, lam, w.contacts.pushes, w.power)
         elif NMODE > 0:
             fn_work_on(p, t, x, w.modes, w.a, lam, w.power)
         else:

@@ -3,7 +3,7 @@
 The slack of their indicators is the round-off by which these may be beyond zero where a step begins.
 """
 
-from lagc.kernels.contact.law import CONTACT_STICKS
+from lagc.kernels.contact.kept_blocks import keep_blocks
 from lagc.kernels.contact.settle import bounds_jump, settle, settle_jump
 from lagc.kernels.contact.slips import REACHES, RELEASES, SLIDES, STOPS, TURNS, reach_of
 from lagc.kernels.contact.touching import find_touching, rates_at, set_gaps, slip_along, slip_relation
@@ -65,33 +65,19 @@ def contacts_chatter(s: State) -> bool:
     return s.changes_at_time > MOST_CHANGES + 2 * NMODE
 
 
-def force_roundoff(n: int, k: int, w: Work) -> Real:
-    """Return the round-off of the force along row k of a listed contact: that of its acceleration over its
-    response. It is zero for contacts that share a load, which cross at once, and along a slip that
-    constraints hold."""
-    law = w.contacts.law
-    row = law.first[n] + k
-    response = law.W[row * law.rows + row]
-    if law.shared[n] > 0 or not response > 0.0:
-        return 0.0
-    return CONTACT_ROUNDOFF * law.terms[row] / response
-
-
 def set_force_slack(s: State, w: Work) -> None:
-    """Set the slack of the listed contacts: of their forces, and of friction that they could still bear."""
-    # Normal force: round-off of the acceleration over W. A force that is slightly beyond gets twice that as
-    # slack. The margin of friction has the round-off of all its rows.
-    for n in range(w.contacts.law.count):
-        i = w.contacts.touching[n]
-        least = force_roundoff(n, 0, w)
-        margin = w.contacts.force_margins[i]
-        s.slack[NMODE - NCON + i] = least - (2.0 * margin if margin < 0.0 else 0.0)
-        if NSLIP > 0:
-            if w.contacts.law.mode[n] == CONTACT_STICKS:
-                for m in range(w.contacts.law.slips[n]):
-                    least += force_roundoff(n, 1 + m, w)
-                margin = w.contacts.cone_margins[i]
-                s.slack[slip_relation(i)] = least - (2.0 * margin if margin < 0.0 else 0.0)
+    """Set the slack of contacts that touch: of their forces, and of friction that they could still bear."""
+    # Normal force: its round-off. A force that is slightly beyond gets twice that as slack. The margin of
+    # friction has the round-off of all its rows.
+    for i in range(NCON):
+        if w.contacts.touched[i] > 0:
+            margin = w.contacts.force_margins[i]
+            s.slack[NMODE - NCON + i] = w.contacts.force_roundoff[i] - (2.0 * margin if margin < 0.0 else 0.0)
+            if NSLIP > 0:
+                if w.contacts.modes[i] == 2:
+                    margin = w.contacts.cone_margins[i]
+                    least = w.contacts.cone_roundoff[i]
+                    s.slack[slip_relation(i)] = least - (2.0 * margin if margin < 0.0 else 0.0)
 
 
 def set_contact_slack(p: Params, s: State, w: Work) -> None:
@@ -217,6 +203,7 @@ def pass_relations(p: Params, s: State, direction: Real, w: Work) -> Status:
 
 def pass_event(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Do what happens where relations or contacts in w.events.crossed cross, at (s.t, s.x)."""
+    keep_blocks(False, w)
     w.settling.has_acted = False
     w.settling.modes_before[:] = s.modes
     if NWHEN > 0:

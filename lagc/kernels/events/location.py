@@ -9,17 +9,10 @@ ODEs, ACM Trans. Math. Software 17 (1991) 11-25.
 
 from math import fabs, inf, sqrt
 
-from lagc.kernels.contact.indicators import (
-    enclose_forces,
-    force_crosses,
-    force_range,
-    indicate_forces,
-    spare_contacts,
-)
+from lagc.kernels.contact.indicators import force_crosses, force_range, indicate_forces, spare_contacts
 from lagc.kernels.contact.touching import forget_forces, rates_at
 from lagc.kernels.events.late_indicators import (
     add_late_range,
-    enclose_late,
     estimate_late_roundoff,
     forget_late_range,
     indicator_rates_at,
@@ -27,11 +20,13 @@ from lagc.kernels.events.late_indicators import (
     sample_late_step,
 )
 from lagc.kernels.events.modes import margin
+from lagc.kernels.events.suspects import find_suspects, suspect, suspect_all, watch_all
 from lagc.kernels.integrators.dispatch import (
     end_rate_row,
     method_dense_at,
     method_dense_output,
     method_stage_deviations,
+    method_watched_at,
 )
 from lagc.kernels.language.vocabulary import *
 
@@ -44,11 +39,6 @@ MOST_SHORT_PARTS = 64  # shorter parts in one step, which may stay beside a cros
 LEAST_SLACK = 2.0  # slack over the distance beyond a crossing by round-off; it doubles in each repetition
 MOST_SLACK = 4096.0  # up to this; then the crossing is taken for a true one
 SLACK_GROWTH = 8.0  # units in the last place
-
-
-def is_known(low: Real, high: Real) -> bool:
-    """Return whether these are finite bounds of an expression."""
-    return low > -UNKNOWN and high < UNKNOWN and low <= high
 
 
 def enclose_time(t0: Real, t1: Real, w: Work) -> None:
@@ -98,7 +88,8 @@ def enclose_part(t: Real, h: Real, left: Real, right: Real, w: Work) -> None:
     enclose_time(t + left * h, t + right * h, w)
     # The parabola through begin, middle and end leaves the hull of these by at most an eighth of the second
     # difference.
-    for i in range(NQ + NV):
+    for n in range(w.search.watching):
+        i = w.search.watched[n]
         low = w.search.x_part_begin[i]
         high = low
         if w.search.x_part_middle[i] < low:
@@ -120,8 +111,8 @@ def enclose_part(t: Real, h: Real, left: Real, right: Real, w: Work) -> None:
 
 def enclose_dense_output(s: State, method: int, a: Trial, left: Real, right: Real, w: Work) -> None:
     """Set w.search.box for a part of a step by its dense output. w.search.x_part_begin is known."""
-    method_dense_at(method, right, s, w.search.x_part_end)
-    method_dense_at(method, 0.5 * (left + right), s, w.search.x_part_middle)
+    method_watched_at(method, right, s, w.search.x_part_end, w)
+    method_watched_at(method, 0.5 * (left + right), s, w.search.x_part_middle, w)
     enclose_part(s.t, a.h, left, right, w)
 
 
@@ -136,20 +127,22 @@ def trial_dense_output(p: Params, s: State, method: int, a: Trial, w: Work) -> S
 
 
 def update_margins(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
-    """Compute w.events.margins, for the indicators that depend on the state."""
+    """Compute w.events.margins of suspected indicators."""
     indicators_at(p, t, x, w.modes, w.events.indicators, s, w)
     if NCON > 0:
-        indicate_forces(p, t, x, w)
-    for j in range(NFREE):
+        if w.events.seeks_forces:
+            indicate_forces(p, t, x, w)
+    for n in range(w.events.suspects):
+        j = w.events.suspect[n]
         k = NTIMED + j
         w.events.margins[j] = margin(k, w.events.indicators[k], s.slack[k], w)
 
 
 def any_crossed(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> bool:
-    """Return whether one of these indicators is beyond its crossing."""
+    """Return whether a suspected indicator is beyond its crossing."""
     update_margins(p, t, x, s, w)
-    for j in range(NFREE):
-        if w.events.margins[j] < 0.0:
+    for n in range(w.events.suspects):
+        if w.events.margins[w.events.suspect[n]] < 0.0:
             return True
     return False
 
@@ -160,7 +153,8 @@ def smallest_margin(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Real:
     # Margins over their change in this part: which indicator crosses first is a question of time.
     least = inf
     update_margins(p, t, x, s, w)
-    for j in range(NFREE):
+    for n in range(w.events.suspects):
+        j = w.events.suspect[n]
         own = (
             w.events.margins[j] / w.events.margin_changes[j]
             if w.events.margin_changes[j] > 0.0
@@ -171,53 +165,33 @@ def smallest_margin(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Real:
     return least
 
 
-def within_mode(k: int, low: Real, high: Real, w: Work) -> bool:
-    """Return whether an indicator between these bounds stays in its mode."""
-    if NEDGES > 0:
-        if has_edges[k] > 0:
-            return low > w.events.edges[2 * k] and high < w.events.edges[2 * k + 1]
-    if w.modes[k] == 0.0:
-        return low >= 0.0 and high <= 0.0
-    return low > 0.0 if w.modes[k] > 0.0 else high < 0.0
-
-
-def excludes_crossings(p: Params, s: State, w: Work) -> bool:
-    """Return whether no indicator crosses in w.search.box."""
-    # Interval arithmetic for indicators of time and state, samples for those that need a solve.
-    fn_enclosure_on(p, w.modes, w.search.box, w.events.enclosures)
-    if NLATE > 0:
-        enclose_late(w)
-    if NCON > 0:
-        enclose_forces(s, w)
-    # An unbounded or empty enclosure says nothing, so it does not exclude.
-    for j in range(NFREE):
-        k = NTIMED + j
-        low = w.events.enclosures[2 * j] + s.slack[k]
-        high = w.events.enclosures[2 * j + 1] - s.slack[k]
-        if not (
-            is_known(w.events.enclosures[2 * j], w.events.enclosures[2 * j + 1])
-            and within_mode(k, low, high, w)
-        ):
-            return False
-    return True
+def update_all_margins(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
+    """Compute w.events.margins of all indicators that depend on the state."""
+    suspect_all(w)
+    update_margins(p, t, x, s, w)
 
 
 def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right: Real, w: Work) -> Real:
     """Return the part of the step where the smallest margin changes sign, to one unit in the last place of
     the time and just beyond the crossing, with w.events.crossed. Illinois method (M. Dowell, P. Jarratt, BIT
     11 (1971) 168-174); each third iteration bisects."""
+    # Of one block all indicators may cross at once; those of other blocks are known to stay in their modes.
+    if not NAPART > 0:
+        suspect_all(w)
+        watch_all(w)
     # Margins of several indicators are compared by what each changes over the part.
     low = left
     high = right
-    method_dense_at(method, low, s, w.search.x_part_middle)
+    method_watched_at(method, low, s, w.search.x_part_middle, w)
     update_margins(p, s.t + low * h, w.search.x_part_middle, s, w)
     w.events.margin_changes[:] = w.events.margins
-    method_dense_at(method, high, s, w.search.x_part_middle)
+    method_watched_at(method, high, s, w.search.x_part_middle, w)
     update_margins(p, s.t + high * h, w.search.x_part_middle, s, w)
-    for j in range(NFREE):
+    for n in range(w.events.suspects):
+        j = w.events.suspect[n]
         w.events.margin_changes[j] = fabs(w.events.margin_changes[j] - w.events.margins[j])
     above = smallest_margin(p, s.t + high * h, w.search.x_part_middle, s, w)
-    method_dense_at(method, low, s, w.search.x_part_middle)
+    method_watched_at(method, low, s, w.search.x_part_middle, w)
     below = smallest_margin(p, s.t + low * h, w.search.x_part_middle, s, w)
     # The end that stays halves its value, so that the secant does not keep to one side.
     least = 2.0 * SPACING * (1.0 + fabs(s.t / h))
@@ -234,7 +208,7 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
         if part > 1.0 - shortest:
             part = 1.0 - shortest
         guess = low + part * (high - low)
-        method_dense_at(method, guess, s, w.search.x_part_middle)
+        method_watched_at(method, guess, s, w.search.x_part_middle, w)
         found = smallest_margin(p, s.t + guess * h, w.search.x_part_middle, s, w)
         # The new end replaces the one of its sign; `high` is always beyond the crossing.
         if found < 0.0:
@@ -247,13 +221,39 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
             above *= 0.5
         turn += 1
     # All that are beyond at the end found cross together there.
-    method_dense_at(method, high, s, w.search.x_part_middle)
+    method_watched_at(method, high, s, w.search.x_part_middle, w)
     update_margins(p, s.t + high * h, w.search.x_part_middle, s, w)
-    for i in range(NTIMED):
-        w.events.crossed[i] = 0
-    for j in range(NFREE):
-        w.events.crossed[NTIMED + j] = 1 if w.events.margins[j] < 0.0 else 0
+    for k in range(NMODE):
+        w.events.crossed[k] = 0
+    for n in range(w.events.suspects):
+        if w.events.margins[w.events.suspect[n]] < 0.0:
+            w.events.crossed[NTIMED + w.events.suspect[n]] = 1
     return high
+
+
+def begin_parts(most: int, s: State, w: Work) -> None:
+    """Suspect the first indicators of w.events.suspect, and begin the parts of a step at s.x: discrete
+    variables do not change in it."""
+    suspect(most, s, w)
+    w.search.x_part_begin[:] = s.x
+    w.search.x_part_middle[:] = s.x
+    w.search.x_part_end[:] = s.x
+
+
+def sample_part(p: Params, s: State, a: Trial, left: Real, right: Real, w: Work) -> None:
+    """Set the ranges of sampled indicators to those on a part of a step: ranges of longer parts would be
+    wider than needed."""
+    if NLATE > 0:
+        forget_late_range(w)
+        add_late_range(p, s.t + left * a.h, w.search.x_part_begin, s, w)
+        add_late_range(p, s.t + 0.5 * (left + right) * a.h, w.search.x_part_middle, s, w)
+        add_late_range(p, s.t + right * a.h, w.search.x_part_end, s, w)
+    if NCON > 0:
+        if w.events.seeks_forces:
+            forget_forces(w)
+            force_range(p, s.t + left * a.h, w.search.x_part_begin, w)
+            force_range(p, s.t + 0.5 * (left + right) * a.h, w.search.x_part_middle, w)
+            force_range(p, s.t + right * a.h, w.search.x_part_end, w)
 
 
 def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
@@ -266,39 +266,43 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
         sample_late_step(p, s, method, a, w)
     if NCON > 0:
         force_range(p, s.t, s.x, w)
-    if excludes_crossings(p, s, w):
+    suspect_all(w)
+    most = find_suspects(p, s, w)
+    if most == 0:
         return NO_EVENT
     if failed(trial_dense_output(p, s, method, a, w)):
         return -1.0
     # Parts of the dense output from left to right: a part that cannot exclude a crossing is halved, one that
-    # does is followed by a longer one. So the first crossing is found, not any.
+    # does is followed by a longer one: so the first crossing is found. Of several blocks, what a part has
+    # excluded is not looked at within it: up to `narrow` the first of w.events.suspect alone may cross.
     looked = 0
     left = 0.0
     width = LONGEST_PART
-    w.search.x_part_begin[:] = s.x
+    if NAPART > 0:
+        narrow = 1.0
+    begin_parts(most, s, w)
     while left < 1.0:
+        if NAPART > 0:
+            if left >= narrow:
+                suspect(most, s, w)
+                narrow = 1.0
+                method_watched_at(method, left, s, w.search.x_part_begin, w)
         right = left + width if left + width < 1.0 else 1.0
         enclose_dense_output(s, method, a, left, right, w)
-        # Samples of this part only: ranges of longer parts would be wider than needed.
-        if NLATE > 0:
-            forget_late_range(w)
-            add_late_range(p, s.t + left * a.h, w.search.x_part_begin, s, w)
-            add_late_range(p, s.t + 0.5 * (left + right) * a.h, w.search.x_part_middle, s, w)
-            add_late_range(p, s.t + right * a.h, w.search.x_part_end, s, w)
-        if NCON > 0:
-            forget_forces(w)
-            force_range(p, s.t + left * a.h, w.search.x_part_begin, w)
-            force_range(p, s.t + 0.5 * (left + right) * a.h, w.search.x_part_middle, w)
-            force_range(p, s.t + right * a.h, w.search.x_part_end, w)
-        if excludes_crossings(p, s, w):
+        sample_part(p, s, a, left, right, w)
+        found = find_suspects(p, s, w)
+        if found == 0:
             if width < LONGEST_PART:
                 width *= 2.0
         elif width > SHORTEST_PART:
+            if NAPART > 0:
+                if found < w.events.suspects:
+                    suspect(found, s, w)
+                    narrow = right
             width *= 0.5
             continue
-        # At 1/256 of the step: if an indicator is beyond at the end of the part, its crossing is located
-        # there; if not, it may have crossed twice, and the part is halved on to 1e-9, for a limited number of
-        # parts.
+        # At 1/256 of the step: a crossing is located if an indicator is beyond at the end of the part; else
+        # it may have crossed twice, and a limited number of parts is halved on to 1e-9.
         elif any_crossed(p, s.t + right * a.h, w.search.x_part_end, s, w):
             return locate_crossing(p, s, method, a.h, left, right, w)
         elif looked < MOST_SHORT_PARTS:  # it may be crossed twice

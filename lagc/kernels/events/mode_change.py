@@ -8,7 +8,6 @@ from lagc.kernels.events.location import (
     confirm_crossings,
     estimate_indicator_roundoff,
     increase_slack,
-    is_known,
     is_within_slack,
 )
 from lagc.kernels.events.modes import accept_modes, propagate_changes, sign_of, step_mode, update_edges
@@ -22,6 +21,7 @@ from lagc.kernels.events.sliding import (
     turns_back,
     update_indicator_rates,
 )
+from lagc.kernels.events.suspects import is_known
 from lagc.kernels.language.vocabulary import *
 
 MOST_CHANGES = 20  # at one time, plus two for each relation

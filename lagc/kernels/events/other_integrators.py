@@ -22,7 +22,7 @@ from lagc.kernels.events.location import (
     SLACK_GROWTH,
     estimate_indicator_roundoff,
     next_time_event,
-    update_margins,
+    update_all_margins,
 )
 from lagc.kernels.events.mode_change import MOST_CHANGES
 from lagc.kernels.events.modes import update_edges
@@ -57,7 +57,7 @@ def indicators(p: Params, s: State, t: Real, x: Vec[NX], z: Vec[NFREE], w: Work)
         if failed(status):
             return status
     if NFREE > 0:
-        update_margins(p, t, x, s, w)
+        update_all_margins(p, t, x, s, w)
         z[:] = w.events.margins
     return OK
 
@@ -75,7 +75,7 @@ def find_ahead(p: Params, s: State, ahead: Real, w: Work) -> Status:
         w.search.x_part_end[i] += ahead * w.xdot[i]
     if failed(rates_at(p, s.t + ahead, w.search.x_part_end, w.xdot, w.lam, w)):
         return OK
-    update_margins(p, s.t + ahead, w.search.x_part_end, s, w)
+    update_all_margins(p, s.t + ahead, w.search.x_part_end, s, w)
     time = inf
     for j in range(NFREE):
         if w.events.margins[j] < 0.0 and w.events.margins[j] < before[j]:
@@ -108,7 +108,7 @@ def find_crossed(p: Params, s: State, ahead: Real, w: Work) -> Status:
         status = rates_at(p, s.t, s.x, w.xdot, w.lam, w)
         if failed(status):
             return status
-        update_margins(p, s.t, s.x, s, w)
+        update_all_margins(p, s.t, s.x, s, w)
         found = False
         for j in range(NFREE):
             if w.events.margins[j] < 0.0:
@@ -154,7 +154,7 @@ def leave_roots(p: Params, s: State, rtol: Real, w: Work) -> Status:
     for i in range(NQ + NV):
         w.search.x_part_middle[i] = s.sizes[scaling_group[i]]
     estimate_indicator_roundoff(p, s, w.search.x_part_middle, w)
-    update_margins(p, s.t, s.x, s, w)
+    update_all_margins(p, s.t, s.x, s, w)
     for j in range(NFREE):
         least = SLACK_GROWTH * w.events.roundoff[j] + TINY
         if NCON > 0:
@@ -222,7 +222,7 @@ def next_event(p: Params, s: State, w: Work) -> Real:
 
 def release_roots(p: Params, s: State, t: Real, x: Vec[NX], w: Work) -> None:
     """Set the slack of indicators to 0 that are several times as large, but of no contact that touches."""
-    update_margins(p, t, x, s, w)
+    update_all_margins(p, t, x, s, w)
     for j in range(NFREE):
         k = NTIMED + j
         touches = False

@@ -14,9 +14,9 @@ from lagc.kernels.events.location import (
     SHORTEST_PART,
     enclose_dense_output,
     enclose_step,
-    is_known,
     trial_dense_output,
 )
+from lagc.kernels.events.suspects import is_known, watch_all
 from lagc.kernels.integrators.dispatch import has_series, method_dense_at
 from lagc.kernels.language.vocabulary import *
 
@@ -231,6 +231,7 @@ def first_hidden_part(p: Params, s: State, method: int, a: Trial, w: Work) -> Re
     unseen = 0
     left = 0.0
     width = LONGEST_PART
+    watch_all(w)
     w.search.x_part_begin[:] = s.x
     while left < 1.0:
         # A part that may hide something is halved; one that does not makes the next one longer.

@@ -78,6 +78,14 @@ def method_dense_at(method: int, part: Real, s: State, x: Vec[NX]) -> None:
             m.dense_at(part, s, x)
 
 
+def method_watched_at(method: int, part: Real, s: State, x: Vec[NX], w: Work) -> None:
+    """Evaluate the dense output of the watched states alone, w.search.watched, at a part of the step."""
+    for m in static(METHODS):
+        if method == m.NUMBER:
+            for n in range(w.search.watching):
+                x[w.search.watched[n]] = m.dense_state(part, w.search.watched[n], s)
+
+
 def is_implicit(method: int) -> bool:
     """Return whether a method solves equations by derivatives."""
     for m in static(METHODS):

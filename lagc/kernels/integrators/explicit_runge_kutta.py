@@ -128,14 +128,19 @@ def dense_output(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, 
     return OK
 
 
+def dense_state(part: Real, i: int, s: State) -> Real:
+    """Return a state at a part of the last step by its dense output."""
+    # x0 + c (r1 + (1 - c)(r2 + c (r3 + ...))): factors c and 1 - c by turns.
+    rest = 1.0 - part
+    value = s.r[3 + len(DENSE)][i]
+    for j in static(range(2 + len(DENSE), -1, -1)):
+        value = s.r[j][i] + (part if j % 2 == 0 else rest) * value
+    return value
+
+
 def dense_at(part: Real, s: State, x: Vec[NX]) -> None:
     """Evaluate the dense output at a part of the last step."""
-    rest = 1.0 - part
     if NDISC > 0:
         keep_discrete(s.r[0], x)
-    # x0 + c (r1 + (1 - c)(r2 + c (r3 + ...))): factors c and 1 - c by turns.
     for i in range(NINT):
-        value = s.r[3 + len(DENSE)][i]
-        for j in static(range(2 + len(DENSE), -1, -1)):
-            value = s.r[j][i] + (part if j % 2 == 0 else rest) * value
-        x[i] = value
+        x[i] = dense_state(part, i, s)

@@ -389,10 +389,14 @@ def dense_output(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, 
     return OK
 
 
+def dense_state(part: Real, i: int, s: State) -> Real:
+    """Return a state at a part of the last step by its dense output."""
+    return s.r[0][i] + part * (s.r[1][i] + (1.0 - part) * (s.r[2][i] + part * s.r[3][i]))
+
+
 def dense_at(part: Real, s: State, x: Vec[NX]) -> None:
     """Evaluate the dense output at a part of the last step."""
-    rest = 1.0 - part
     if NDISC > 0:
         keep_discrete(s.r[0], x)
     for i in range(NINT):
-        x[i] = s.r[0][i] + part * (s.r[1][i] + rest * (s.r[2][i] + part * s.r[3][i]))
+        x[i] = dense_state(part, i, s)

@@ -8,6 +8,7 @@ Higham, Accuracy and Stability of Numerical Algorithms, SIAM 2002, chapter 1).
 from math import fabs, inf, sqrt
 
 from lagc.kernels.constraints.projection import perturb_off_constraints, project_error
+from lagc.kernels.contact.kept_blocks import keep_blocks
 from lagc.kernels.contact.touching import rates_at
 from lagc.kernels.integrators.dispatch import (
     has_two_estimates,
@@ -187,6 +188,9 @@ def weighted_error(s: State, o: Options, h: Real, w: Work) -> Real:
 def error_without_roundoff(p: Params, s: State, t: Real, h: Real, o: Options, before: Real, w: Work) -> Real:
     """Return the error of a rejected step over h to t, less its round-off. Only the round-off of rates at
     the accepted state (s.t, s.x) counts: the end of a step that diverges would excuse any error."""
+    # Kept forces belong to the parameters of the step, not to perturbed ones.
+    if NCON > 0:
+        keep_blocks(False, w)
     # Three sources of round-off: that of implicit stages, that of nearly dependent constraints, that of the
     # rates.
     if NNEWTON > 0:

@@ -289,6 +289,16 @@ def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:
                 far[i] = apart
 
 
+def dense_state(part: Real, i: int, s: State) -> Real:
+    """Return a state at a part of the last step, as `dense_at` does."""
+    value = s.series.coefficients[s.series.order][i]
+    for k in range(s.series.order - 1, -1, -1):
+        value = s.series.coefficients[k][i] + part * s.series.part * value
+    if NC > 0 or NQUAT > 0:
+        value += part * s.r[0][i]
+    return value
+
+
 def dense_at(part: Real, s: State, x: Vec[NX]) -> None:
     """Evaluate the polynomial at a part of the last step, with that part of the projection of its end."""
     time = part * s.series.part

@@ -27,6 +27,19 @@ derived_bounds: Mat[NLIMITS, TWO]  # bounds of values computed from parameters
 loading_row: IVec[NLOADED]  # the constraint equations whose multipliers loads depend on
 load_held: IVec[NLOADED]  # 1: an actuator holds this equation, and its gradient does not act
 pushed_contact: IVec[NPUSHED]  # the contacts whose normal forces loads depend on
+block_contact: IVec[NCON]  # the contacts, block by block
+contact_begin: IVec[NBLOCK]  # where those of each block begin in `block_contact`
+contact_end: IVec[NBLOCK]
+block_speed: IVec[NV]  # the speeds, block by block, then those that no contact moves
+speed_begin: IVec[NBLOCK]
+speed_end: IVec[NBLOCK]
+block_state: IVec[NMOVED]  # the coordinates and speeds, as indices of x, in the same way
+state_begin: IVec[NBLOCK]
+state_end: IVec[NBLOCK]
+block_timed: IVec[NBLOCK]  # 1: its motion depends on time itself
+contact_block: IVec[NCON]  # the block of each contact
+row_block: IVec[NCROW]  # that of each row of a contact
+equation_block: IVec[NC]  # that of each constraint equation; -1: no contact acts on it
 contact_first: IVec[NCON]  # first row of each contact, that of its gap; its slip rows follow
 impulse_state: IVec[NCON]  # index in x of the impulse of the last impact of each; -1: it is not asked for
 contact_slips: IVec[NCON]  # slip rows of each

@@ -169,6 +169,10 @@ class EventWork:
     if NFREE > 0:
         # Detection of zero crossings
         enclosures: Vec[NENDS]  # lower and upper bound of each indicator in the box
+        suspects: int  # how many of them may cross in a step, by their bounds over the whole of it
+        suspect: IVec[NFREE]  # these
+        if NCON > 0:
+            seeks_forces: bool  # among them are forces of contacts, or slips
         margins: Vec[NFREE]  # distance of each indicator from its crossing, negative beyond it
         margin_changes: Vec[NFREE]
         roundoff: Vec[NFREE]  # change of each indicator by one unit in the last place of (t, x)
@@ -183,6 +187,8 @@ class SearchWork:
     x_part_begin: Vec[NX]
     x_part_middle: Vec[NX]
     x_part_end: Vec[NX]
+    watched: IVec[NMOVED]  # coordinates and speeds that what is looked for depends on
+    watching: int  # how many
 
 
 @struct
@@ -274,26 +280,41 @@ class ContactWork:
     modes: IVec[NCON]  # 0 open, 1 or -1 slips forwards or backwards, 2 sticks; 1 without friction
     touching: IVec[NCON]  # the listed contacts
     touching_rows: IVec[NCROW]  # their rows
+    first_block: int  # the blocks whose contacts are listed
+    last_block: int
+    slot: IVec[NCROW]  # of each listed row: its number among those of its block
+    slots: int  # the largest number of listed rows of a block
     rows: Vec[NGRADIENTS]  # gradients of the rows by the speeds
     speeds: Vec[NCROW]  # rates of the rows
     bias: Vec[NCROW]  # accelerations of the rows where those of the speeds are 0
     gaps: Vec[NCON]
     indicators: Vec[NMODE]
     approach: Vec[NCON]  # speed before an impact
-    responses: Vec[NRESPONSES]  # accelerations and multipliers for a unit of each listed row
+    responses: Vec[NRESPONSES]  # accelerations and multipliers for a unit of each listed row, by slots
     rhs: Vec[NR]
     solution: Vec[NR]
     shift: Vec[NQ]
     forces: Vec[NCROW]  # at the last evaluation
+    pushes: Vec[NCROW]  # the same; of contacts that lack shares of a load, those that equations have
     force_margins: Vec[NCON]  # zero where a contact opens: its normal force, or a measure of its set
+    force_roundoff: Vec[NCON]  # of normal forces
     x: Vec[NX]
     rates: Vec[NX]
     lam: Vec[NC]
+    # Blocks whose states do not change within a step keep their rates and forces
+    keeps: bool
+    known: IVec[NBLOCK]
+    kept_x: Vec[NX]
+    kept_rates: Vec[NX]
+    kept_lam: Vec[NC]
+    kept_forces: Vec[NCROW]
+    kept_pushes: Vec[NCROW]
     if NSLIP > 0:
         # Friction
         frictions: Vec[NDIRECT]  # of slip and of sticking, of each contact
         slides: Vec[NDIRECT]  # direction in which a contact begins to slip, by its force
         cone_margins: Vec[NCON]  # what falls to zero where it slips
+        cone_roundoff: Vec[NCON]
         if NSPACE > 0:
             slip_axes: Vec[NDIRECT]  # direction in which each contact slips at the beginning of a step
             slip_roundoff: Vec[NCON]  # of its slip
@@ -319,6 +340,7 @@ class SettlingWork:
     go_on: bool  # speeds have not jumped: contacts that touched before keep touching
     modes_before: Vec[NMODE]  # of relations, before the event
     indicators_unmoved: IVec[NMODE]  # 1: contacts do not change it
+    acts: IVec[NBLOCK]  # 1: something happens in this block
     near: IVec[NCON]
     leaves: IVec[NCON]
     closed: IVec[NCON]  # modes that the law has found
