@@ -21,7 +21,7 @@ from lagc.compiler.pipeline import Compilation
 from lagc.compiler.stages import Choice
 from lagc.host import cache, model_library
 from lagc.host.cache import folders, upkeep
-from lagc.lowering.program import Clause, Contact, Field
+from lagc.lowering.program import Block, Clause, Contact, Field
 
 POSIX = os.name == "posix"
 KEY = cache.key("a")
@@ -468,6 +468,6 @@ def test_an_artifact_comes_back_as_it_was(root: Path, target: str) -> None:
 def plain(value: Any) -> bool:
     if isinstance(value, tuple | dict):
         return all(map(plain, value.values() if isinstance(value, dict) else value))
-    if isinstance(value, Field | Clause | Contact):
+    if isinstance(value, Field | Clause | Contact | Block):
         return all(plain(getattr(value, name)) for name in records.names(type(value)))
     return type(value) in (str, int, float, bool, type(None))

@@ -132,7 +132,7 @@ def test_past_a_saddle_again_and_again(seed: int) -> None:
     """In one well of two, x'' = x - x^3 from rest near the top between them: x = X dn(X t/sqrt(2) + K, k).
 
     Rounding of the fast part of the motion decides how long it stays near the top the next time, and the
-    growth from the start tells nothing of that. The estimate is one sample of the round-off, hence the 6.
+    growth from the start tells nothing of that. The estimate is one sample of the round-off, hence the 8.
     """
     chance = Random(seed)
     near, stop, accuracy = 10.0 ** chance.uniform(-3.0, -1.0), chance.uniform(30.0, 60.0), 1e-9
@@ -156,7 +156,7 @@ end Wells;"""
 
     run = lagc.loads(text).compile(backend="numpy").simulate(stop, accuracy=accuracy, points=41)
     true = true_error(run, exact)
-    assert run.estimated is not None and true <= 6.0 * run.estimated, (true, run.message)
+    assert run.estimated is not None and true <= 8.0 * run.estimated, (true, run.message)
     assert run.status == "failed" or true <= accuracy
 
 

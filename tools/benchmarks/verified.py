@@ -134,7 +134,7 @@ def outcomes(name: str, model: CompiledModel, stop: float, points: int) -> Itera
             apart = np.abs((values - exact.hi[:rows]) - exact.lo[:rows])
         # Times of jumps may be wrong by the accuracy of the time of the run: beside them one run has jumped.
         beside = np.abs(exact.times[:rows, None] - exact.jumps[None, :]) <= 2.0 * asked * stop
-        apart = np.where(beside.any(axis=1)[:, None], 0.0, apart).max(axis=0)
+        apart = np.where(np.any(beside, axis=1, keepdims=True), 0.0, apart).max(axis=0)
         errors = np.array([run.errors.get(each, 0.0) for each in exact.names])
         scales = np.array([run.scales.get(each, 0.0) for each in exact.names])
         clear = (scales > 0.0) & (apart > CLEAR * exact.known) & (apart > FLOOR * scales)
