@@ -1,7 +1,7 @@
 """Compile a model and simulate it.
 
-`--accuracy` is the accuracy of the whole motion: lagc chooses method and tolerance, and estimates the error
-by comparing runs.  `--method`, `--rtol`, `--atol` and `--step` choose them by hand.
+`--accuracy` is that of the values at the recorded times: lagc chooses method and tolerance, and estimates
+their global error by comparing runs.  `--method`, `--rtol`, `--atol` and `--step` choose them by hand.
 """
 
 from __future__ import annotations

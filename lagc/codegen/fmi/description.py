@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import isfinite
 from xml.etree import ElementTree as ET
 
@@ -166,9 +166,11 @@ def _of(field: Field, causality: str, variability: str, has_unit: bool = True) -
     return _kind(causality, variability, *units, **about)
 
 
-def _add(parent: ET.Element, tag: str, attributes: dict[str, str] = {}, **more: str) -> ET.Element:  # noqa: B006
+def _add(
+    parent: ET.Element, tag: str, attributes: Mapping[str, str] | None = None, **more: str
+) -> ET.Element:
     """Add an element; characters that XML does not have become `?`."""
-    cleaned = {name: CHARACTERS.sub("?", value) for name, value in {**attributes, **more}.items()}
+    cleaned = {name: CHARACTERS.sub("?", value) for name, value in {**(attributes or {}), **more}.items()}
     return ET.SubElement(parent, tag, cleaned)
 
 

@@ -24,9 +24,10 @@ class Lanes:
     CannotCompile."""
 
     def __init__(self, model: CModel, widths: Mapping[int, str] = WIDTHS):
-        sources = lanes(model.sources, widths)
         # Compilers for Windows do not align vectors of this length on the stack.
-        if sources is None or machine() != "x86_64" or sys.platform == "win32":
+        has_vectors = machine() == "x86_64" and sys.platform != "win32"
+        sources = lanes(model.sources, widths) if has_vectors else None
+        if sources is None:
             raise CannotCompile("there are no lanes for this model or this machine")
         self.library, self.prefix = library(sources), model.header[0]
         self.count: int = self._function("lanes")()
