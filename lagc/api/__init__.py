@@ -142,7 +142,7 @@ class CompiledModel(Differentiable, Measurable, Comparable, Sweepable, Fittable,
     def __init__(self, compilation: Compilation, backend: str = "auto"):
         self._loaded = Loaded(compilation, backend)
         self._given = compilation.choice.parameters
-        self._own: dict[str, System] = {}
+        self._own: dict[System, System] = {}  # with the parameters of this model
         self._recent: System | None = None
         self._driven: tuple[object, CompiledModel] | None = None
 
@@ -235,15 +235,17 @@ class CompiledModel(Differentiable, Measurable, Comparable, Sweepable, Fittable,
     @property
     def system(self) -> System:
         """The loaded system with the parameters of this model; NaN for parameters without a value."""
-        return self.load(self.backend)
+        return self._with_own(self._loaded.evaluating(self.backend))
 
     def load(self, backend: str) -> System:
         """Return the system of `backend` ("c" or "numpy") with the parameters of this model; compile it if
         needed."""
-        found = self._own.get(backend)
+        return self._with_own(self._loaded.system(backend))
+
+    def _with_own(self, system: System) -> System:
+        found = self._own.get(system)
         if found is None:
-            values = self._bound(None, demanding=False)
-            found = self._own.setdefault(backend, self._loaded.system(backend).bind(values))
+            found = self._own.setdefault(system, system.bind(self._bound(None, demanding=False)))
         return found
 
     def _with(self, parameters: Mapping[str, Value] | None) -> System:

@@ -22,19 +22,20 @@ if TYPE_CHECKING:
     from lagc.simulation.solution import Solution
 
 Progress = Callable[[float], None]
+FUNCTIONS = "functions"  # C that evaluates
 FOLLOWING = 50.0  # runs that a second run of a model lets expect
 
 
 class Loaded:
     """The code of a model, compiled and loaded, for all systems with different parameters. `artifact` is that
-    of the backend `first`; `seconds` is the time of compilation so far.  It has one method of integration;
+    of the target `first`; `seconds` is the time of compilation so far.  It has one method of integration;
     `root` is that with the default method.  Pickles without the loaded code: on another machine, another
     backend may come first."""
 
     def __init__(self, compilation: Compilation, backend: str, root: Loaded | None = None):
         self.compilation, self.asked = compilation, backend
         self.lock = RLock()
-        self.systems: dict[str, System] = {}
+        self.systems: dict[str, System] = {}  # by target
         self.root = root or self
         self.others: dict[str, Loaded] = {}  # of a root, by method
         self.followers: dict[tuple[str, tuple[int, ...] | None], System] = {}  # with what sensitivities need
@@ -42,7 +43,8 @@ class Loaded:
         self.probed: dict[tuple[str, ...], System] = {}  # of a root, by the expressions of probes
         self.numpy_s = 0.0  # the longest run of `auto` in NumPy so far
         began = perf_counter()
-        self.preferred = self.first = self._preferred_backend()
+        self.preferred = self._preferred_backend()
+        self.first = FUNCTIONS if self.preferred == "c" and not self._is_built() else self.preferred
         self.artifact = compilation.artifact(self.first)
         self.seconds = perf_counter() - began
 
@@ -63,21 +65,28 @@ class Loaded:
             return self.asked
         return next((b for b in ("c", "numpy") if b in self.systems), self.preferred)
 
-    def system(self, backend: str) -> System:
-        """Return the system of `backend` with the model's own parameter values."""
-        found = self.systems.get(backend)
+    def system(self, target: str) -> System:
+        """Return the system of a backend, or that of FUNCTIONS, with the model's own parameter values."""
+        found = self.systems.get(target)
         if found is not None:
             return found
         with self.lock:
-            if backend not in self.systems:
+            if target not in self.systems:
                 from lagc.simulation.backends import load
 
                 began = perf_counter()
-                artifact = self.artifact if backend == self.first else self.compilation.artifact(backend)
+                artifact = self.artifact if target == self.first else self.compilation.artifact(target)
+                backend = "c" if target == FUNCTIONS else target
                 found = load(artifact.interface, artifact.sources, backend, artifact.code, self._another)
-                self.systems[backend] = found
+                self.systems[target] = found
                 self.seconds += perf_counter() - began
-            return self.systems[backend]
+            return self.systems[target]
+
+    def evaluating(self, backend: str) -> System:
+        """Return the system of `backend` for evaluations.  In C it has no integrator, which takes most of the
+        time of the C compiler, unless that is compiled already; runs of it are those of `system("c")`."""
+        lean = backend == "c" and "c" not in self.systems and (FUNCTIONS in self.systems or not self._is_built())
+        return self.system(FUNCTIONS if lean else backend)
 
     @once
     def differentiated(self) -> NumpySystem:
@@ -245,7 +254,11 @@ class Loaded:
         NumPy."""
         if self.asked != "auto":
             return self.asked
+        return "c" if self._is_built() else "numpy"
+
+    def _is_built(self) -> bool:
+        """Return whether the compiled library for runs is in the cache."""
         from lagc.simulation.backends.compile import cached_library
 
         artifact = self.compilation.cached_artifact("c")
-        return "c" if artifact is not None and cached_library(artifact.sources) else "numpy"
+        return artifact is not None and cached_library(artifact.sources)

@@ -176,13 +176,14 @@ def render(
     program: Program, target: str, complete: bool = True, real: str = "double", only: Sequence[str] = ()
 ) -> dict[str, str]:
     """Return the generated files as {name: text}.  `complete`: usable without lagc.  `only`: in C, the
-    functions that there are."""
+    functions that there are.  `target`: "c", "numpy", or "functions", which is C that does not integrate."""
     with stage("writing the code", PER_OPERATION * program.interface.operations):
-        if target == "c":
+        if target in ("c", "functions"):
             from lagc.codegen.c.emit import render as render_c
+            from lagc.codegen.c.runtime import EVALUATED
             from lagc.codegen.kernel_compiler.real_types import TYPES
 
-            return render_c(program, complete, TYPES[real], only)
+            return render_c(program, complete, TYPES[real], EVALUATED if target == "functions" else only)
         from lagc.codegen.python.emit import render as render_numpy
 
         return render_numpy(program, complete)

@@ -27,6 +27,10 @@ ROOTS = ("begin", "step", "dense", "advance", "record", "verified", "check")
 EMBEDDED = ("check",)  # of these the kernels that a run of lagc does itself
 ASKED = ("verified",)  # of these the kernels that other code has with `verified`
 CALLED = ("system_at", "assemble_at", "solve_at", "assemble_slopes")  # by public functions, as the rates
+EVALUATED = (  # by a process of lagc that does not run the model
+    "start", "rhs", "assemble", "solve", "energies", "position", "velocity", "scales", "displace", "gaps",
+    "limits", "measures", "conditions", "outputs", "hold", "seated",
+)  # fmt: skip
 ALWAYS = ("default_params", "bind")  # functions of code that evaluates only
 READ = ("Options", "State", "Work")  # structs whose members callers read
 PRIVATE = "Private from here on"

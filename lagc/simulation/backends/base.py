@@ -17,10 +17,11 @@ Another: TypeAlias = "Callable[[str, str], System]"  # from a backend and a meth
 
 class Compiled(ABC):
     """A compiled model; immutable, for any number of threads. Pickles as its interface and its text.  The
-    code is loaded when it is first needed.  It may have a few methods of integration only: `another` returns
-    the system with another one."""
+    code is loaded when it is first needed.  It may have a few methods of integration only, or none: `another`
+    returns the system with another one."""
 
     backend: str
+    integrates = True
 
     def __init__(self, interface: Interface, sources: Mapping[str, str]):
         self.interface, self.sources = interface, sources
@@ -30,7 +31,7 @@ class Compiled(ABC):
     def other(self, method: str, values: Sequence[float]) -> System | None:
         """The system with the array p = `values` and a method that this code lacks; None if it has it."""
         methods = self.interface.methods
-        if self.another is None or not methods or method in methods:
+        if self.another is None or (self.integrates and (not methods or method in methods)):
             return None
         return self.another(self.backend, method).bind(values)
 
