@@ -85,7 +85,9 @@ class Loaded:
     def evaluating(self, backend: str) -> System:
         """Return the system of `backend` for evaluations.  In C it has no integrator, which takes most of the
         time of the C compiler, unless that is compiled already; runs of it are those of `system("c")`."""
-        lean = backend == "c" and "c" not in self.systems and (FUNCTIONS in self.systems or not self._is_built())
+        lean = (
+            backend == "c" and "c" not in self.systems and (FUNCTIONS in self.systems or not self._is_built())
+        )
         return self.system(FUNCTIONS if lean else backend)
 
     @once

@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from lagc.codegen.kernel_compiler.c import CPrinter, snake
+from lagc.codegen.kernel_compiler.c import CPrinter
+from lagc.codegen.kernel_compiler.c_declarations import snake
 from lagc.codegen.kernel_compiler.compiler import definitions
 from lagc.codegen.kernel_compiler.library import library
 from lagc.codegen.kernel_compiler.real_types import DOUBLE

@@ -14,7 +14,7 @@ from lagc.codegen.c.any_model import START_WORK, TABLE, functions_without_work, 
 from lagc.codegen.c.convolution import convolution
 from lagc.codegen.c.public_functions import public_functions
 from lagc.codegen.heading import rates, status_texts, statuses
-from lagc.codegen.kernel_compiler.c import CPrinter, block_comment, snake
+from lagc.codegen.kernel_compiler.c_declarations import CDeclarations, block_comment, snake
 from lagc.codegen.kernel_compiler.library import Chosen, Library, library
 from lagc.codegen.kernel_compiler.parts import Part
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
@@ -201,13 +201,13 @@ class Runtime:
         """Return the struct of each record; C has no arrays of size 0, so these get size 1."""
         named = {*self.public, *SPELLED}
         numbers = {n: str(max(size, 1)) for n, size in self.sizes.items() if size == 0 or n not in named}
-        printer = CPrinter(self.real, {**SPELLED, **numbers}, {})
+        printer = CDeclarations(self.real, {**SPELLED, **numbers})
         found = {}
         for part in self.use.records:
             lines = []
             for name, kind, lead, trail in self._members_in_use(part):
                 lines += [f"    {line}" for line in block_comment("\n".join(lead)).splitlines()]
-                lines += _annotated(f"    {printer.declared(tuple(kind), name)};", trail)
+                lines += _annotated(f"    {printer.declared(kind, name)};", trail)
             head, body = block_comment(part.note), "\n".join(lines)
             found[part.name] = f"{head}typedef struct {{\n{body}\n}} lagc_{snake(part.name)};\n"
         return found
