@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import inf
 
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Refused
@@ -37,6 +38,8 @@ from lagc.symbolic.graph import Node
 
 # Called at every stage of a step.
 OFTEN = ("rhs", "watch", "system", "residual", "contact_rows", "frictions")
+
+FAR = 1.2  # times the operations of the best form: another one with the same matrix is no better
 
 
 def optimize(
@@ -127,11 +130,17 @@ def _series(
 def _solver(at: Places, work: bool) -> tuple[Solver | None, list[Function]]:
     """Return the form of the equations with the fewest operations, and the functions `rhs` and `watch` of it;
     None and no functions if no form can be solved by straight-line code."""
-    # Both forms are printed and weighed: the number of operations of the right-hand side decides.
-    forms = [(solver, kkt.rhs(at, solver, work)) for solver in solvers(at.equations)]
-    if len(forms) < 2:
-        return forms[0] if forms else (None, [])
-    return min(forms, key=lambda form: weight(form[1][0], len(at.constants)))
+    # Forms are printed and weighed: the number of operations of the right-hand side decides.
+    best: tuple[Solver | None, list[Function]] = (None, [])
+    least = inf
+    for solver in solvers(at.equations):
+        made = kkt.rhs(at, solver, work)
+        operations = weight(made[0], len(at.constants))
+        if operations < least:
+            best, least = (solver, made), operations
+        elif operations > FAR * least:  # the last two forms are alike
+            break
+    return best
 
 
 def _functions(

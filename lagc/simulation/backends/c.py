@@ -20,7 +20,7 @@ from lagc.simulation.backends.compile import library
 from lagc.simulation.backends.event_log import EventLog
 from lagc.simulation.system import OK, Checked, Options, Trajectory, Vector
 
-QUICK = ("-O1",)  # takes half the time of -O2; calls from Python cost more than it saves
+QUICK = ("-Og",)  # takes half the time of -O2 or less; calls from Python cost more than it saves
 _TYPES: dict[str, Any] = {"int": c_int, "long": c_long, "double": c_double, "size_t": c_size_t, "void": None}
 
 
