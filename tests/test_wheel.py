@@ -1,7 +1,5 @@
 """What is installed holds all that it needs: the grammar, its tables, the models, the support code."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

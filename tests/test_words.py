@@ -11,8 +11,6 @@ Ban a word only where it is a home-made term: a word that also has an ordinary m
 alone.
 """
 
-from __future__ import annotations
-
 import ast
 import io
 import re

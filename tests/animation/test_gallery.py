@@ -1,7 +1,5 @@
 """The gallery of the documents against the library."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

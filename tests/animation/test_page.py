@@ -1,7 +1,5 @@
 """Pages: numbers against closed forms, texts that are markup, the policy, and all models of the library."""
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import html

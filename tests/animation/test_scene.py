@@ -1,7 +1,5 @@
 """The scene that a model implies, against what its author drew on paper."""
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Warnings of angles that look like degrees are about the values that run."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Numbers at the ends of what a double holds bring an answer or a fault, wherever a command takes one."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

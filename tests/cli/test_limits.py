@@ -1,7 +1,5 @@
 """Limits of time and memory: the stage is named, what was computed is kept, and nothing is left behind."""
 
-from __future__ import annotations
-
 import csv
 import importlib
 import json

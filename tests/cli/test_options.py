@@ -1,7 +1,5 @@
 """The words of a command line."""
 
-from __future__ import annotations
-
 import inspect
 import random
 import re

@@ -1,7 +1,5 @@
 """`lagc sim`: options, JSON, files, exit codes, and a line for every broken input."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

@@ -1,7 +1,5 @@
 """Functions printed in C and in Python compute the same bits."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 import random

@@ -1,7 +1,5 @@
 """Texts that mirror the kernels agree with them: options, statuses, documentation."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any

@@ -1,8 +1,6 @@
 """The kernel language: constructs outside of the subset are refused; others mean the same in C, in printed
 Python, and in the source."""
 
-from __future__ import annotations
-
 import ast
 import contextlib
 import ctypes

@@ -1,7 +1,5 @@
 """Names of users become identifiers of C and Python."""
 
-from __future__ import annotations
-
 import keyword
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Each command on the library's models with contacts: it answers, or refuses by name."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The program of how-to/embed-the-c.md that reads events of contacts, against the closed form."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Dry friction of one-sided constraints in the plane, against closed forms, and what is refused."""
 
-from __future__ import annotations
-
 import math
 import random
 from typing import Any
@@ -10,6 +8,7 @@ import numpy as np
 import pytest
 
 import lagc
+from lagc.api import Run
 from lagc.diagnostics.faults import Refused
 
 BACKENDS = ["numpy", pytest.param("c", marks=pytest.mark.full)]
@@ -21,7 +20,7 @@ HEAD = """model M
 """
 
 
-def _run(name: str, backend: str, stop: float | None = None, **values: Any) -> lagc.Run:
+def _run(name: str, backend: str, stop: float | None = None, **values: Any) -> Run:
     scene, accuracy = values.pop("scene", None), values.pop("accuracy", 1e-9)
     compiled = lagc.load(name).compile(backend=backend, scene=scene)
     return compiled.simulate(stop, accuracy=accuracy, parameters=values)

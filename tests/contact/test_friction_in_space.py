@@ -1,7 +1,5 @@
 """Dry friction along a surface, against closed forms, and what is refused."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Frictionless one-sided constraints against closed forms and published references."""
 
-from __future__ import annotations
-
 import ast
 import json
 import math
@@ -12,6 +10,7 @@ from typing import Any
 import pytest
 
 import lagc
+from lagc.api import Run
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
 
@@ -24,7 +23,7 @@ HEAD = """model M
 """
 
 
-def _run(name: str, backend: str, stop: float | None = None, **values: Any) -> lagc.Run:
+def _run(name: str, backend: str, stop: float | None = None, **values: Any) -> Run:
     accuracy = values.pop("accuracy", 1e-9)
     return lagc.load(name).compile(backend=backend).simulate(stop, accuracy=accuracy, parameters=values)
 

@@ -1,7 +1,5 @@
 """Sets of contacts that share a load: they hold it as long as some forces within their friction cones do."""
 
-from __future__ import annotations
-
 import math
 import shutil
 from collections.abc import Sequence
@@ -14,6 +12,7 @@ import pytest
 from scipy.optimize import linprog
 
 import lagc
+from lagc.api import Run
 from tests.contact.law_kernels import FOUND, KERNELS, ONE, STICKS, fill, in_python, values
 
 Array = Any
@@ -40,11 +39,11 @@ def _compiled(text: str, backend: str) -> Any:
     return lagc.loads(text).compile(backend=backend)
 
 
-def _box(force: str, backend: str, stop: float, **parameters: float) -> lagc.Run:
+def _box(force: str, backend: str, stop: float, **parameters: float) -> Run:
     return _compiled(BOX + force + CORNERS, backend).simulate(stop, parameters=parameters)
 
 
-def _told(run: lagc.Run) -> list[str]:
+def _told(run: Run) -> list[str]:
     return [event.name for event in run.events if event.kind in ("slips", "sticks", "opens")]
 
 

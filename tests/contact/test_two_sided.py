@@ -1,7 +1,5 @@
 """Dry friction of constraints with `=` and of joints, against closed forms and other formulations."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
@@ -11,6 +9,7 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 import lagc
+from lagc.api import Run
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
 
@@ -33,7 +32,7 @@ def _model(text: str) -> lagc.ModelFile:
     return lagc.loads(RAIL.format(text))
 
 
-def _run(name: str, backend: str, stop: float | None = None, **values: Any) -> lagc.Run:
+def _run(name: str, backend: str, stop: float | None = None, **values: Any) -> Run:
     compiled = lagc.load(name).compile(backend=backend)
     return compiled.simulate(stop, accuracy=values.pop("accuracy", 1e-9), parameters=values)
 

@@ -1,7 +1,5 @@
 """The command `derive` and `model.derivation()`."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The sentences, and the formats: Markdown, LaTeX, HTML."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import string
@@ -11,7 +9,7 @@ from html import unescape
 import pytest
 
 import lagc
-from lagc.reports.derivation.derivation import derivation_of, with_motion
+from lagc.reports.derivation.derivation import Derivation, derivation_of, with_motion
 from lagc.reports.derivation.document import Formulas
 from lagc.reports.derivation.formats import NoLatex, to_pdf
 from lagc.reports.derivation.html import to_mathml
@@ -39,7 +37,7 @@ def test_languages_change_words_and_no_formula() -> None:
     def bare(found: list[str]) -> list[str]:
         return [re.sub(r"\\text\{[^{}]*\}", "", line) for line in found]
 
-    def formulas(found: lagc.api.Derivation) -> list[str]:  # type: ignore[name-defined]
+    def formulas(found: Derivation) -> list[str]:
         return bare([line for block in found.blocks if isinstance(block, Formulas) for line in block.latex])
 
     for other in others:

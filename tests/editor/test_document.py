@@ -1,7 +1,5 @@
 """Answers about one text: names, hover, completion, rename, fixes."""
 
-from __future__ import annotations
-
 import random
 import subprocess
 import sys

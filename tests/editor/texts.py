@@ -1,7 +1,5 @@
 """Texts of models, whole and damaged."""
 
-from __future__ import annotations
-
 import random
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Model Exchange in a small explicit importer in C, with three habits of stopping at roots."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Commands called in this process, and what every answer of theirs has to meet."""
 
-from __future__ import annotations
-
 import io
 import json
 import os

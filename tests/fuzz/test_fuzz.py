@@ -1,7 +1,5 @@
 """No text and no failing file makes lagc stumble.  In full: `python -m tests.fuzz --hours N`."""
 
-from __future__ import annotations
-
 import os
 import random
 import re

@@ -1,7 +1,5 @@
 """Names, numbers, units and descriptions that programs of this kind stumble over."""
 
-from __future__ import annotations
-
 import random
 from typing import TypeAlias
 

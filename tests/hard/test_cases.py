@@ -4,8 +4,6 @@ Sources, figures and why a figure follows from the method stand in the cases the
 shorter here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from math import inf
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Long chains: accelerations against an independent recursion along the links."""
 
-from __future__ import annotations
-
 import math
 
 import numpy

@@ -1,7 +1,5 @@
 """Constraints that are not linear in the speeds, and constraints that move."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,8 +1,6 @@
 """Mechanisms that are hard on the equations: closed loops, configurations where the rank drops,
 constraints that depend on each other everywhere, stated twice, or contradicting each other."""
 
-from __future__ import annotations
-
 import math
 from statistics import median
 

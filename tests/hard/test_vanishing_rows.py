@@ -2,8 +2,6 @@
 in or on a circular track, its rolling written as one vector, against the one-coordinate pendulum
 theta'' = -g sin(theta) / (s (1 + k)), s the distance of the centres and k m r^2 the moment of inertia."""
 
-from __future__ import annotations
-
 import math
 import random
 
@@ -12,6 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import lagc
+from lagc.api import Run
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 
 ANGLES = """
@@ -67,7 +66,7 @@ def pendulum(start: float, rate: float, s: float, times: numpy.ndarray) -> numpy
     return solve_ivp(slope, (0.0, times[-1]), begin, "DOP853", times, rtol=1e-12, atol=1e-13).y[0]
 
 
-def rolled(model: str, backend: str = "numpy") -> lagc.api.Run:
+def rolled(model: str, backend: str = "numpy") -> Run:
     run = lagc.loads(model).compile(backend=backend).simulate(stop=1.5, accuracy=1e-6, points=16)
     assert run.status == "ok", run.message
     return run

@@ -1,10 +1,9 @@
 """Every kind of joint, open with coordinates and closed with equations, gives the same motion."""
 
-from __future__ import annotations
-
 import pytest
 
 import lagc
+from lagc.api import Run
 from lagc.semantics.joints import KINDS, Pair
 
 AXIS, ALONG, AT = "axis = {1, 2, 2}", "along = {1, 0, 0.3}", "at = {0.2, 0.1, -0.3} [m]"
@@ -35,7 +34,7 @@ def _joint(kind: str) -> str:
     return f"{kind}({', '.join(['base', 'arm', *(ARGUMENTS[p] for p in parameters)])})"
 
 
-def _run(joints: str) -> lagc.Run:
+def _run(joints: str) -> Run:
     system = lagc.loads(MODEL.format(joints=joints)).compile()
     run = system.simulate(0.6, accuracy=1e-10, points=4)
     assert run.status == "ok", run.message

@@ -1,8 +1,6 @@
 """Joint reactions of random open chains in space, by release, equal those of explicit equations: Newton's and
 Euler's of each body, with the accelerations of each joint as constraint rows (NumPy, by hand)."""
 
-from __future__ import annotations
-
 import random
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Equilibria, modes and linear models of models whose closed forms are known."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import cache
 from math import acos, cos, exp, pi, sin, sqrt

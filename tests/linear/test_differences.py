@@ -1,7 +1,5 @@
 """Linear models of the whole library against differences of its right-hand sides along the constraints."""
 
-from __future__ import annotations
-
 import random
 from typing import Any
 

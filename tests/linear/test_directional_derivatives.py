@@ -1,7 +1,5 @@
 """Linear models are the same whether derivatives are made entry by entry or along directions."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

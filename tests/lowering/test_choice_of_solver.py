@@ -1,7 +1,5 @@
 """Where a dense solve takes far more operations a straight one is taken, whatever the size."""
 
-from __future__ import annotations
-
 import pytest
 
 from lagc.compiler.pipeline import Compilation

@@ -1,7 +1,5 @@
 """The derivatives of the conditions of a start, against differences of 50 digits."""
 
-from __future__ import annotations
-
 import random
 
 import mpmath as mp

@@ -1,7 +1,5 @@
 """Derivatives of the whole library against differences in 50 digits."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -11,13 +9,13 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-import lagc
 from lagc.lowering.event_relations import frozen
 from lagc.lowering.jacobians import groups, motion_by_sweeps, stack
 from lagc.lowering.kkt.prune import prune, with_pivots
 from lagc.lowering.storage import places
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.simulation.linearization.derivatives import Point
+from lagc.simulation.system import System
 from lagc.symbolic.graph import Node
 from tests.lowering.exact import DIGITS, along, values
 from tests.physics.library import compiled, fullest
@@ -30,7 +28,7 @@ MOST = 14  # unknowns of the linear solve in 50 digits
 class Differentiated(NamedTuple):
     equations: EquationsOfMotion
     by: dict[str, list[Node]]
-    system: lagc.System
+    system: System
 
 
 @cache

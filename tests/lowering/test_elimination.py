@@ -1,7 +1,5 @@
 """The elimination against dense solutions, over random sparse KKT matrices."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

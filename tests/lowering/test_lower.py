@@ -1,7 +1,5 @@
 """Lowering, factoring and multiplying out keep values; they save what they are meant to save."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Sequence

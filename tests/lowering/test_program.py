@@ -1,7 +1,5 @@
 """The functions of a Program against the equations they come from, solved by numpy."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Iterable

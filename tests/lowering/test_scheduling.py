@@ -1,7 +1,5 @@
 """Sums and products in another order: the same values, shorter chains."""
 
-from __future__ import annotations
-
 import math
 import random
 

@@ -1,7 +1,5 @@
 """What nothing asked for depends on is left out, and the rest moves as it did."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

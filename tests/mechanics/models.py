@@ -1,7 +1,5 @@
 """Hand-built models of the standard systems."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from lagc.semantics.model import Model

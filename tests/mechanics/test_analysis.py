@@ -1,7 +1,5 @@
 """What `explain` tells: counts, cyclic coordinates, conserved quantities, integrable rows."""
 
-from __future__ import annotations
-
 import pytest
 
 from lagc.mechanics.analysis.analysis import Analysis, analyse

@@ -1,7 +1,5 @@
 """Rows: their kinds, redundancy, contradiction; faults of the mechanics, each with its code."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

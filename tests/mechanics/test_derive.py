@@ -1,7 +1,5 @@
 """The equations of the standard systems: closed forms, invariants, outputs."""
 
-from __future__ import annotations
-
 import time
 
 import numpy as np

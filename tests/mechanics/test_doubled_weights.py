@@ -1,7 +1,5 @@
 """A potential that is the weight of a body beside `Gravity` gets a warning; another one does not."""
 
-from __future__ import annotations
-
 import pytest
 
 from lagc.compiler.checking import check

@@ -1,7 +1,5 @@
 """Rows that cannot depend on others are told by their columns alone; the truth are exact null vectors."""
 
-from __future__ import annotations
-
 from random import Random
 
 import pytest

@@ -1,7 +1,5 @@
 """A system that nothing moves has a warning, and no other system."""
 
-from __future__ import annotations
-
 import pytest
 
 import lagc

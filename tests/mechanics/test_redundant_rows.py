@@ -1,7 +1,5 @@
 """Rows are left out only where others say the same whatever the motion is, and the parameters are."""
 
-from __future__ import annotations
-
 import pytest
 
 import lagc

@@ -3,8 +3,6 @@
 The truth is known by construction: pieces that agree to a chosen order where one follows the other.
 """
 
-from __future__ import annotations
-
 from random import Random
 
 import pytest

@@ -8,8 +8,6 @@ differences with a step of 1e-15, whose error of 1e-30 is far below that of doub
 for the body rates w of an orientation in the form of Euler and Poincare, d(p)/dt + w x p = dL/d(turn).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 

@@ -1,8 +1,6 @@
 """C and NumPy compute the same bits: every model of the library with most of its effects, 400
 steps of each backend."""
 
-from __future__ import annotations
-
 import pytest
 
 from lagc.simulation.backends.compile import compiler

@@ -1,7 +1,5 @@
 """Motions that can be written down: the formulas of the models' own stories."""
 
-from __future__ import annotations
-
 import math
 
 import numpy

@@ -1,7 +1,5 @@
 """What is conserved stays so; what is not, does what theory says."""
 
-from __future__ import annotations
-
 import numpy
 import pytest
 

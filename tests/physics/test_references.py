@@ -1,7 +1,5 @@
 """Motions against published numbers, through the asked global accuracy."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.physics.references import compiled, names, read

@@ -1,7 +1,5 @@
 """Equations as a person would write them."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Other forms of the equations of motion say the same as the derived ones, at random states."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """The matrices that people get for their own algebra."""
 
-from __future__ import annotations
-
 import sympy
 
 import lagc

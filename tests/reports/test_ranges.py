@@ -1,7 +1,5 @@
 """Lines that differ by subscripts alone."""
 
-from __future__ import annotations
-
 import pytest
 
 import lagc

@@ -1,7 +1,5 @@
 """Equations of large models by their rules: written out, they are the equations of all elements."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from math import isclose
 from random import Random

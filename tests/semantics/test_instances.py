@@ -1,7 +1,5 @@
 """Instances, inheritance, arrays, loops, effects, scenes, imports."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

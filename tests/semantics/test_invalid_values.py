@@ -1,7 +1,5 @@
 """Values that no quantity of a kind has: a fraction for an Integer, an impossible inertia, `time` twice."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

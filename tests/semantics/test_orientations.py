@@ -1,7 +1,5 @@
 """Orientations of arrays of instances."""
 
-from __future__ import annotations
-
 from math import cos, sin
 
 import pytest

@@ -1,7 +1,5 @@
 """Placeholders: bodies, points and frames that an instance gives; files of the library."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

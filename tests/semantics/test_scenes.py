@@ -1,7 +1,5 @@
 """What a scene gives: parameters and starts, of instances, arrays and orientations too."""
 
-from __future__ import annotations
-
 import pytest
 
 import lagc

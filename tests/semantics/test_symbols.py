@@ -1,7 +1,5 @@
 """What the leaves of a model are called is what the language calls them."""
 
-from __future__ import annotations
-
 import pytest
 
 from lagc.diagnostics.faults import Refused

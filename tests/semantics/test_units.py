@@ -1,7 +1,5 @@
 """Units against the definitions of the SI (BIPM, *The International System of Units*, 9th ed., 2019)."""
 
-from __future__ import annotations
-
 import math
 import random
 import re

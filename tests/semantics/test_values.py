@@ -1,7 +1,5 @@
 """Expressions: numbers, dimensions, vectors, functions, against Python's own arithmetic."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Generated C and Python at work: both give the same bits, and see what is wrong with a system."""
 
-from __future__ import annotations
-
 from math import isclose, sqrt
 from typing import Any
 

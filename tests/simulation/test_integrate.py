@@ -1,7 +1,5 @@
 """One trajectory: steps, landing, dense output, what stops it; in Python, on systems written by hand."""
 
-from __future__ import annotations
-
 from math import cos, inf, nan, pi, sin, sqrt
 from random import Random
 

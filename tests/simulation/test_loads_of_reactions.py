@@ -1,7 +1,5 @@
 """Loads that depend on reactions: closed forms, and the same motion with the reaction eliminated by hand."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """Fixed steps that are too long: what they lead to is not blamed on the model."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

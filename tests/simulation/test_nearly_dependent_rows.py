@@ -1,7 +1,5 @@
 """Rows that all but depend on others: what they demand is met, or the run does not end well."""
 
-from __future__ import annotations
-
 import math
 import random
 

@@ -1,7 +1,5 @@
 """The accuracy holds for each quantity by its own scale: closed forms and independent integrations."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from math import cos, pi, sin, sqrt
 from typing import TypeAlias

@@ -1,7 +1,5 @@
 """Linear equations of any rank, and motions through configurations where constraints lose rank."""
 
-from __future__ import annotations
-
 from math import pi
 from typing import Any
 

@@ -1,8 +1,6 @@
 """No size is hidden in the program: in other units of length, mass and time the same motion comes out,
 with the same steps, and to the last bit where the units differ by powers of two."""
 
-from __future__ import annotations
-
 import random
 from fractions import Fraction
 from functools import cache

@@ -1,7 +1,5 @@
 """Constraints that an actuator holds: inverse dynamics, and closed forms that a perfect constraint misses."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

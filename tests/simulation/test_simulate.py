@@ -1,7 +1,5 @@
 """simulate: the accuracy asked is had and told, failures are named, what was computed is kept."""
 
-from __future__ import annotations
-
 from math import cos, pi
 from typing import Any
 

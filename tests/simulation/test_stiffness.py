@@ -1,7 +1,5 @@
 """A run whose steps stability limits is told so, and no other one is."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """The recommended sets against all sets, by brute force: strengths of 0 leave effects out."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Iterable
 from itertools import combinations

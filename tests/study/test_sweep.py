@@ -1,7 +1,5 @@
 """Sweeps: rows are those of single runs, nothing is lost or double, and all executors give the same bits."""
 
-from __future__ import annotations
-
 import errno
 import json
 import os

@@ -1,7 +1,5 @@
 """Random expressions: grown at once as nodes of a graph and as functions of complex numbers."""
 
-from __future__ import annotations
-
 import cmath
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

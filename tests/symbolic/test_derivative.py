@@ -1,7 +1,5 @@
 """Derivatives against differences with an imaginary step, which lose no digits."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

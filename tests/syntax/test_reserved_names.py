@@ -1,7 +1,5 @@
 """Names that other languages reserve, and those that are keywords of this one elsewhere."""
 
-from __future__ import annotations
-
 import keyword
 
 import pytest

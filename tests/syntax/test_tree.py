@@ -1,7 +1,5 @@
 """What each construct of the language is read as, and where."""
 
-from __future__ import annotations
-
 import pytest
 
 from lagc.diagnostics.faults import Source

@@ -1,7 +1,5 @@
 """Discrete variables: hysteresis, sampled control, modes; where they are reported, and what is refused."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 from math import exp, log
@@ -18,7 +16,7 @@ MODELS = Path(__file__).parents[3] / "models" / "classic"
 BOTH = pytest.mark.parametrize("backend", ["numpy", "c"])
 
 
-def model(name: str, backend: str = "numpy") -> lagc.api.CompiledModel:
+def model(name: str, backend: str = "numpy") -> lagc.CompiledModel:
     return lagc.load(str(MODELS / f"{name}.lag")).compile(backend=backend)
 
 

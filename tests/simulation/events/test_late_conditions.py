@@ -1,7 +1,5 @@
 """Conditions of reactions, accelerations and energies, against closed forms."""
 
-from __future__ import annotations
-
 import json
 import math
 

@@ -1,8 +1,6 @@
 """Clauses `when` of mechanisms, in Cartesian coordinates with rows: pendulums on pivots that move are thrown
 back, or braked and driven on at one moment; against their one angle by SciPy."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from math import cos, sin
 from random import Random

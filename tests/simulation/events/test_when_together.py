@@ -1,7 +1,5 @@
 """Clauses that act at one moment: balls of one mass that meet from both sides pass their speeds on."""
 
-from __future__ import annotations
-
 from math import asin, hypot, pi, sin, sqrt
 
 import pytest
