@@ -224,15 +224,11 @@ def _many_speeds(b: Builder, q: list[Node]) -> None:
 @pytest.mark.parametrize(
     "change, code",
     [
-        (_quadratic_speed, "LAG0401"),
-        (_dependent_speeds, "LAG0402"),
-        (_speed_of_nothing, "LAG0402"),
-        (_many_speeds, "LAG0403"),
-        (_mass_in_time, "LAG0404"),
-        (_input_in_lagrangian, "LAG0406"),
+        (_quadratic_speed, "LAG0401"), (_dependent_speeds, "LAG0402"), (_speed_of_nothing, "LAG0402"),
+        (_many_speeds, "LAG0403"), (_mass_in_time, "LAG0404"), (_input_in_lagrangian, "LAG0406"),
         (_input_in_constraint, "LAG0407"),
     ],
-)
+)  # fmt: skip
 def test_refused(change: Callable[[Builder, list[Node]], None], code: str) -> None:
     b, q = plane()
     change(b, q)

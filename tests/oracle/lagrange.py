@@ -31,16 +31,10 @@ mp.dps = 90
 STEP = mp.mpf(10) ** -15
 
 _BINARY: dict[str, Callable[[Any, Any], Any]] = {
-    "atan2": mp.atan2,
-    "pow": mp.power,
-    "min": min,
-    "max": max,
-    "lt": lambda a, b: a < b,
-    "le": lambda a, b: a <= b,
-    "eq": lambda a, b: a == b,
-    "and": lambda a, b: a and b,
+    "atan2": mp.atan2, "pow": mp.power, "min": min, "max": max, "lt": lambda a, b: a < b,
+    "le": lambda a, b: a <= b, "eq": lambda a, b: a == b, "and": lambda a, b: a and b,
     "or": lambda a, b: a or b,
-}
+}  # fmt: skip
 
 
 class Expressions:

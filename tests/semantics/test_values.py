@@ -66,22 +66,14 @@ def test_a_number(expression: str, expected: float) -> None:
 @pytest.mark.parametrize(
     "type_name, expression, expected",
     [
-        ("Length", "3", 3.0),
-        ("Length", "3 [km] + 2 [m]", 3002.0),
-        ("Length", "-3/2", -1.5),
-        ("Velocity", "36 [km/h]", 10.0),
-        ("Area", "(2 [m])^2", 4.0),
-        ("Length", "sqrt(4 [m2])", 2.0),
-        ("Frequency", "1/(2 [s])", 0.5),
-        ("Energy", "1/2*m*(3 [m/s])^2", 9.0),
-        ("Real[kg/m]", "m/(4 [m])", 0.5),
-        ("Angle", "atan2(1 [m], 1 [m])", math.pi / 4),
-        ("Length", "max(1 [m], 2 [mm])", 1.0),
-        ("Length", "norm({3 [m], 4 [m], 0})", 5.0),
-        ("Length", "0", 0.0),
-        ("Length", "1 [m] - ({0, 1 [J], 0}.x/(2 [J]))^2", 1.0),
+        ("Length", "3", 3.0), ("Length", "3 [km] + 2 [m]", 3002.0), ("Length", "-3/2", -1.5),
+        ("Velocity", "36 [km/h]", 10.0), ("Area", "(2 [m])^2", 4.0), ("Length", "sqrt(4 [m2])", 2.0),
+        ("Frequency", "1/(2 [s])", 0.5), ("Energy", "1/2*m*(3 [m/s])^2", 9.0),
+        ("Real[kg/m]", "m/(4 [m])", 0.5), ("Angle", "atan2(1 [m], 1 [m])", math.pi / 4),
+        ("Length", "max(1 [m], 2 [mm])", 1.0), ("Length", "norm({3 [m], 4 [m], 0})", 5.0),
+        ("Length", "0", 0.0), ("Length", "1 [m] - ({0, 1 [J], 0}.x/(2 [J]))^2", 1.0),
     ],
-)
+)  # fmt: skip
 def test_a_quantity(type_name: str, expression: str, expected: float) -> None:
     assert output(read_body(f"output {type_name} y = {expression};"), "y") == pytest.approx(
         expected, rel=1e-15

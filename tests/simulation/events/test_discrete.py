@@ -185,17 +185,8 @@ int main(void)
 """)
     sources = [str(tmp_path / name) for name in ("main.c", "stick_slip_belt.c")]
     command = [
-        "cc",
-        "-std=c99",
-        "-Wall",
-        "-Wextra",
-        "-Werror",
-        "-O1",
-        *sources,
-        "-lm",
-        "-o",
-        str(tmp_path / "a"),
-    ]
+        "cc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-O1", *sources, "-lm", "-o", str(tmp_path / "a"),
+    ]  # fmt: skip
     subprocess.run(command, check=True)
     lines = subprocess.run([str(tmp_path / "a")], capture_output=True, text=True, check=True).stdout.split(
         "\n"
