@@ -250,34 +250,22 @@ def test_all_faults_come_at_once() -> None:
 
 
 TOGETHER = [
-    (
-        "what is called is not known",
-        "body b = Partcle(mass = m, at = {x, y, cos(thetta)});",
-        "LAG0201 LAG0221",
-    ),
+    ("what is called is not known", "body b = Partcle(mass = m, at = {x, y, cos(thetta)});",
+     "LAG0201 LAG0221"),
     ("a function is not known", "output Length u = sine(thetta);", "LAG0201 LAG0201"),
     ("an argument is not known", "output Real u = sin(thetta, k = phii);", "LAG0201 LAG0201 LAG0209"),
-    (
-        "a function of the model has more arguments",
-        "function f(Length u) = u; output Length v = f(x, thetta);",
-        "LAG0201 LAG0209",
-    ),
+    ("a function of the model has more arguments",
+     "function f(Length u) = u; output Length v = f(x, thetta);", "LAG0201 LAG0209"),
     ("both of a body's are wrong", "body b = Particle(mass = x, at = {m, m, m});", "LAG0302 LAG0302"),
     ("a force and its place are wrong", "force f = {m, 0, 0} at 3 [m];", "LAG0302 LAG0306"),
     ("a torque and its frame are wrong", "torque f = {m, 0, 0} on x;", "LAG0221 LAG0302"),
-    (
-        "the type of what is used is not known",
-        "parameter Lenght l; output Mass u = l + x;",
-        "LAG0203 LAG0302",
-    ),
+    ("the type of what is used is not known", "parameter Lenght l; output Mass u = l + x;",
+     "LAG0203 LAG0302"),
     ("what is used is wrong", "coordinate Length z(start = 1 [kg]); output Mass u = z;", "LAG0302 LAG0302"),
-    (
-        "an array that is used is wrong",
-        "parameter Mass k[2] = 1 [m]; output Length u = k[1];",
-        "LAG0302 LAG0302",
-    ),
+    ("an array that is used is wrong", "parameter Mass k[2] = 1 [m]; output Length u = k[1];",
+     "LAG0302 LAG0302"),
     ("a speed that is used is wrong", "speed Velocity u = m*der(x); output Mass v = u;", "LAG0302 LAG0302"),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("text", "codes"), [c[1:] for c in TOGETHER], ids=[c[0] for c in TOGETHER])
