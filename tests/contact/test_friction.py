@@ -77,16 +77,6 @@ def test_a_ball_slips_and_then_rolls(backend: str) -> None:
     )
 
 
-@pytest.mark.full
-@pytest.mark.parametrize("name", ["incline", "block_on_belt", "bowling_ball", "tumbling_box"])
-def test_both_backends_give_the_same_bits(name: str) -> None:
-    one, other = (
-        lagc.load(name).compile(backend=backend).simulate(1.5, rtol=1e-8, points=9)
-        for backend in ("numpy", "c")
-    )
-    assert one.states == other.states and one.events == other.events
-
-
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_friction_acts_beside_two_sided_constraints(backend: str) -> None:
     """A block on a slope in x and y, tied to a mass of 1 g that moves along the slope without weight."""

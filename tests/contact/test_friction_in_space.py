@@ -86,15 +86,6 @@ def test_a_ball_with_spin_slips_on_a_parabola_and_rolls(
     assert [run.final["x"], run.final["y"]] == pytest.approx(path, abs=1e-7)
 
 
-@pytest.mark.full
-@pytest.mark.parametrize("name", ["thrown_across", "billiard"])
-def test_both_backends_give_the_same_bits(name: str) -> None:
-    one, other = (
-        lagc.load(name).compile(backend=backend).simulate(rtol=1e-8, points=9) for backend in ("numpy", "c")
-    )
-    assert one.states == other.states and one.events == other.events
-
-
 @pytest.mark.parametrize(
     "law", ["at = block", "slip = velocity(block)", "slip = {der(y), cos(a)*der(x) + sin(a)*der(z)}"]
 )

@@ -194,18 +194,6 @@ def test_contacts_act_beside_two_sided_rows(backend: str) -> None:
     assert with_rows["side"] == pytest.approx(without["side"], abs=1e-8)
 
 
-@pytest.mark.full
-@pytest.mark.parametrize(
-    "name, rtol", [("bouncing_ball", 1e-7), ("newtons_cradle", 1e-6), ("slack_rope", 1e-8)]
-)
-def test_both_backends_give_the_same_bits(name: str, rtol: float) -> None:
-    one, other = (
-        lagc.load(name).compile(backend=backend).simulate(2.0, rtol=rtol, points=7)
-        for backend in ("numpy", "c")
-    )
-    assert one.states == other.states and one.events == other.events
-
-
 def test_true_errors_stay_below_the_estimate() -> None:
     """A bead that leaves a sphere, at accuracies from 1e-4 to 1e-10."""
     system = lagc.load("slide_off_sphere").compile(backend="numpy")

@@ -196,18 +196,6 @@ def test_open_and_closing_joints_rub_alike() -> None:
     assert {name for _, name, kind in kinds if kind == "sticks"} == set(_JOINTS)
 
 
-@pytest.mark.full
-@pytest.mark.parametrize(
-    "name", ["rough_hoop", "rough_pin", "rough_crank", "painleve_klein", "block_in_rail"]
-)
-def test_both_backends_give_the_same_bits(name: str) -> None:
-    one, other = (
-        lagc.load(name).compile(backend=backend).simulate(0.6, rtol=1e-7, points=9)
-        for backend in ("numpy", "c")
-    )
-    assert one.states == other.states and one.events == other.events
-
-
 def test_a_slide_with_friction_stops() -> None:
     """On a slope, along its axis: |N| = m g cos is the norm of the force of the joint across the axis."""
     text = """model Slide

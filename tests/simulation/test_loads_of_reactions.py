@@ -76,12 +76,6 @@ def test_a_bead_on_a_rough_hoop(backend: str, method: str) -> None:
     assert math.hypot(run.final["der(x)"], run.final["der(z)"]) == pytest.approx(known.y[1, -1], abs=1e-8)
 
 
-@pytest.mark.full
-def test_both_backends_are_equal_to_the_bit() -> None:
-    runs = [lagc.loads(HOOP).compile(backend=b).simulate(0.9, accuracy=1e-9) for b in ("numpy", "c")]
-    assert runs[0].states == runs[1].states and runs[0].events == runs[1].events
-
-
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_a_journal_bearing(backend: str) -> None:
     """The friction by the length of a vector of reactions, beside a fixed point of the equation of motion."""
