@@ -1,7 +1,5 @@
 """Forces along a run as arrows: weights, loads and reactions."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 

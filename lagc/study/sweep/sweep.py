@@ -1,7 +1,5 @@
 """Run all points of a plan, in chunks, and keep those that are done."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from math import inf
