@@ -123,14 +123,14 @@ def _load_in(scene: Scene, frames: Frames, name: str, reaction: Array) -> Array:
     rows = [*(c.residuals for c in model.constraints), *((c.gap, *c.slip) for c in model.contacts)]
     tied = symbols([node for row in (*(other.position for other in others), *axes, *rows) for node in row])
     own = [c for c in model.coordinates if isinstance(c, Coordinate) and c.symbol not in tied]
-    n, ways = len(frames.t), list[Array]()
+    n, directions = len(frames.t), list[Array]()
     for c in own:
         sides = [values(body.velocity, {**given, c.rate_symbol: rate}, n) for rate in (1.0, 0.0)]
-        ways.append(sides[0] - sides[1])
-    if not ways:
+        directions.append(sides[0] - sides[1])
+    if not directions:
         return np.zeros(reaction.shape)
     # The projection onto the directions of motion J is J pinv(J).
-    slopes = np.nan_to_num(np.moveaxis(np.array(ways), 0, 2).swapaxes(0, 1))
+    slopes = np.nan_to_num(np.moveaxis(np.array(directions), 0, 2).swapaxes(0, 1))
     along: Array = np.einsum("nij,njk,kn->in", slopes, np.linalg.pinv(slopes), reaction)
     return along
 
