@@ -379,6 +379,15 @@ def test_a_state_that_only_round_off_keeps_from_the_accuracy_fails_no_run(backen
     assert errors["y"] > 1e-8 * np.ptp(known[1]) * small  # the note is true
 
 
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-5])
+def test_the_speed_of_a_coordinate_that_stands_counts_by_what_it_moves(accuracy: float) -> None:
+    """The lean of a coin on its steady circle is constant, so that its rate is an error alone."""
+    run = lagc.load("classic/rolling_disc").compile(backend="numpy").simulate(3.0, accuracy=accuracy)
+    assert run.status == "ok" and run.rtol > 1e-2 * accuracy  # the first tolerance, not the finest one
+    assert abs(run["lean"] - 0.3).max() <= run.errors["lean"] <= accuracy * 0.3
+    assert abs(run["der(lean)"]).max() <= run.errors["der(lean)"] <= accuracy * 0.1
+
+
 @pytest.mark.full
 def test_links_of_a_chain_that_have_hardly_begun_to_move() -> None:
     """The last links of a chain turn by less than the round-off of their angles. The reference has 64 bits:

@@ -200,6 +200,15 @@ def scale_of(i: Size, group: Real, moved: Real, accuracy: Real, underway: bool, 
     if scale <= CONSTANT * size or (scale <= SURELY_MOVES * size and by_chance):
         scale = group if largest <= noise else size
         v.constant[i] = 1
+    # The speed of a coordinate that stands: its errors count by how far they move the coordinate.
+    if not HAS_DISPLACE:
+        if i >= NQ and i < NQ + NV and by_chance and v.constant[i - NQ] == 1:
+            stands = v.scale[i - NQ] / (v.run.t - v.begin_time)
+            if stands > group:
+                stands = group
+            if stands > scale:
+                scale = stands
+                v.constant[i] = 1
     if NQUAT > 0:
         for k in range(NQUAT):
             if i >= quaternion[k] and i < quaternion[k] + 4:
