@@ -171,7 +171,7 @@ def compare_recorded(p: Params, times: Vec[Any], o: Options, states: Rows[NX], o
     """Compare the recorded times within the last step of the check with its dense output. `changes` is the
     number of events before that step: an event of a step is at its end."""
     while v.checked < r.done and times[v.checked] <= v.check.t:
-        # The step of the run in which the time lies. States are compared strictly within a step of either run,
+        # The step of the run in which the time lies. States are compared strictly within a step of both runs,
         # where both have passed the same events: an event lies at the end of a step.
         t = times[v.checked]
         step = 0
