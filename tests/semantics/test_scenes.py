@@ -93,17 +93,13 @@ def test_a_scene_starts_single_elements() -> None:
 @pytest.mark.parametrize(
     "line, code",
     [
-        ("parameter a.q = 1;", "LAG0215"),
-        ("parameter a.m = 1; parameter a.m = 2;", "LAG0209"),
-        ("parameter e.c[3].m = 1;", "LAG0215"),
-        ("parameter a = 1;", "LAG0215"),
-        ("start a.m = 1;", "LAG0224"),
-        ("start a.x = {1, 2};", "LAG0306"),
-        ("start a.x = 1; start a.x = 2;", "LAG0209"),
-        ("start 2*a.x = 1;", "LAG0110"),
+        ("parameter a.q = 1;", "LAG0215"), ("parameter a.m = 1; parameter a.m = 2;", "LAG0209"),
+        ("parameter e.c[3].m = 1;", "LAG0215"), ("parameter a = 1;", "LAG0215"),
+        ("start a.m = 1;", "LAG0224"), ("start a.x = {1, 2};", "LAG0306"),
+        ("start a.x = 1; start a.x = 2;", "LAG0209"), ("start 2*a.x = 1;", "LAG0110"),
         ("parameter a.k = {1, 2, 3};", "LAG0306"),
     ],
-)
+)  # fmt: skip
 def test_what_a_scene_cannot_give(line: str, code: str) -> None:
     with pytest.raises(Refused) as refused:
         read(PARTS.replace("scene plain;", f"scene plain {line} end plain;"), scene="plain")
@@ -157,17 +153,6 @@ def test_a_speed_may_say_its_start_itself() -> None:
     speeds = {s.name: s.start for s in read(text.replace("start u = 1;", "")).speeds}
     assert speeds["u"] is not None and speeds["u"].value == 7.0
     assert speeds["w"] is None and speeds["r"] is not None
-
-
-def test_the_effect_of_one_instance_is_used() -> None:
-    part = (
-        "model A coordinate Length x; body b = Particle(mass = 1, at = {x, 0, 0});"
-        "effect spring potential V = 1/2*10 [N/m]*x^2; end spring; end A;"
-    )
-    scenes = "scene one uses a.spring; scene both uses spring;"
-    found = {scene: read(f"{part} model B A a, c; {scenes} end B;", scene=scene) for scene in ("one", "both")}
-    assert [action.name for action in found["one"].actions] == ["a.V"]
-    assert [action.name for action in found["both"].actions] == ["a.V", "c.V"]
 
 
 LINK = """model Link

@@ -87,22 +87,15 @@ def test_an_interrupted_verification_returns_the_part_that_was_made() -> None:
 @pytest.mark.parametrize(
     "request_, word",
     [
-        (Request(stop=-1.0), "stop"),
-        (Request(stop=float("nan")), "stop"),
-        (Request(stop=float("inf")), "stop"),
-        (Request(accuracy=0.0), "accuracy"),
-        (Request(accuracy=2.0), "accuracy"),
-        (Request(accuracy=1e-6, rtol=1e-6), "accuracy"),
-        (Request(step=0.1, rtol=1e-6), "step"),
-        (Request(step=0.0), "step"),
-        (Request(max_step=0.0), "max_step"),
-        (Request(step=0.1, max_step=0.1), "max_step"),
-        (Request(points=1), "points"),
-        (Request(points=10, every=0.1), "every"),
-        (Request(every=1e-30), "points"),
-        (Request(points=10**20), "points"),
+        (Request(stop=-1.0), "stop"), (Request(stop=float("nan")), "stop"),
+        (Request(stop=float("inf")), "stop"), (Request(accuracy=0.0), "accuracy"),
+        (Request(accuracy=2.0), "accuracy"), (Request(accuracy=1e-6, rtol=1e-6), "accuracy"),
+        (Request(step=0.1, rtol=1e-6), "step"), (Request(step=0.0), "step"),
+        (Request(max_step=0.0), "max_step"), (Request(step=0.1, max_step=0.1), "max_step"),
+        (Request(points=1), "points"), (Request(points=10, every=0.1), "every"),
+        (Request(every=1e-30), "points"), (Request(points=10**20), "points"),
     ],
-)
+)  # fmt: skip
 def test_requests_without_sense_are_refused(request_: Request, word: str) -> None:
     with pytest.raises(Refused) as refused:
         simulate(Oscillator(), request_)
