@@ -213,6 +213,31 @@ def check(kernels: dict[str, Any], chance: Any, space: bool, flat: bool) -> bool
     return holds > 0.0
 
 
+LADDER = """model Ladder
+  parameter Real mu = 0.9;
+  coordinate Length x(start = 1 [m]*cos(65 [deg])), y(start = 1 [m]*sin(65 [deg]));
+  coordinate Angle phi(start = 65 [deg]);
+  frame F = rotate_z(world, -phi);
+  body ladder = Solid(mass = 8 [kg], inertia = {0, 1, 1}, frame = F, com = {x, y, 0});
+  point A = {x, y, 0} - 1 [m]*F.x;
+  point B = {x, y, 0} + 1 [m]*F.x;
+  constraint wall: A.x >= 0 (friction = mu, at = A);
+  constraint floor: B.y >= 0 (friction = mu, at = B);
+  Gravity field(direction = {0, -1, 0});
+end Ladder;
+"""
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_forces_that_are_one_choice_of_many_are_named(backend: str) -> None:
+    """A ladder that rests on two rough contacts is statically indeterminate; one that slides is not."""
+    model = lagc.loads(LADDER).compile(backend=backend)
+    resting, sliding = (model.simulate(0.2, parameters={"mu": mu}) for mu in (0.9, 0.1))
+    (note,) = [note for note in resting.notes if "one choice of many" in note]
+    assert note.endswith("`wall`, `floor`") and resting.open_reactions == ("wall", "floor")
+    assert not [note for note in sliding.notes if "one choice of many" in note] and not sliding.open_reactions
+
+
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize("space", [False, True])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import product
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,7 +64,7 @@ def draw(study: Study, heading: str) -> Figure:
         if study.reference is not None:
             axes.text(0.0, -0.16, f"reference: {study.reference.words}", transform=axes.transAxes,
                       fontsize=7.5, color="#555555")  # fmt: skip
-        _write(axes, labels)
+        _write(figure, axes, labels)
         return figure
 
 
@@ -96,8 +96,7 @@ def _verified(axes: Axes, study: Study, labels: list[Label]) -> None:
 
 def _advice(axes: Axes, study: Study, labels: list[Label]) -> None:
     for a in study.advice:
-        axes.vlines(a.target, 0.0, 1.0, transform=axes.get_xaxis_transform(), color="#bbbbbb", linewidth=0.8,
-                    linestyle=":", zorder=0)  # fmt: skip
+        axes.axvline(a.target, color="#bbbbbb", linewidth=0.8, linestyle=":", zorder=0)
         if a.setting is None:
             continue
         x, y = a.target, 1e3 * a.seconds
@@ -107,16 +106,16 @@ def _advice(axes: Axes, study: Study, labels: list[Label]) -> None:
         labels.append(Label(words, [(x, y)], "#b3261e", 7.5))
 
 
-def _write(axes: Axes, labels: Sequence[Label]) -> None:
+def _write(figure: Figure, axes: Axes, labels: Sequence[Label]) -> None:
     """Write each label at one of its places, where it covers least of curves, bars and other labels."""
-    axes.get_figure(root=True).draw_without_rendering()  # places in pixels are known from here on
-    paths = [line.get_transform().transform(line.get_xydata()) for line in axes.lines]
-    bars = [bar for container in axes.containers for bar in container.lines[2]]
-    paths += [axes.transData.transform(path) for bar in bars for path in bar.get_segments()]
-    drawn = np.concatenate([_points(np.asarray(path)) for path in paths])
+    figure.draw_without_rendering()  # places in pixels are known from here on
+    curves = [line for line in axes.lines if line.get_linestyle() != ":"]  # not the lines of the targets
+    paths: list[tuple[Any, Any]] = [(line, line.get_path()) for line in curves]
+    paths += [(bars, bar) for bars in axes.collections for bar in bars.get_paths()]
+    drawn = np.concatenate([_points(of.get_transform().transform(path.vertices)) for of, path in paths])
     boxes: list[Bbox] = []
     for label in labels:
-        tried = []
+        tried = list[tuple[float, int, Any, Any]]()
         for place, (dx, dy, ha, va) in product(label.places, BESIDE):
             text = axes.annotate(label.words, place, (dx, dy), textcoords="offset points", ha=ha, va=va,
                                  color=label.color, fontsize=label.size)  # fmt: skip
