@@ -320,7 +320,7 @@ def test_auto_takes_c_for_a_second_run_if_fifty_such_runs_pay_for_it(monkeypatch
 @needs_c
 def test_auto_goes_on_in_numpy_if_a_second_run_cannot_be_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        c_compiler, "library", lambda sources: c_compiler.build_library({"x.c": "int main( {"})
+        c_compiler, "library", lambda sources, more: c_compiler.build_library({"x.c": "int main( {"})
     )
     monkeypatch.setattr("lagc.simulation.backends.c.library", c_compiler.library)
     monkeypatch.setattr(c_compiler, "cached_library", lambda sources: False)

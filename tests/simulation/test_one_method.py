@@ -1,14 +1,16 @@
-"""The code of a run has the method that it takes; other methods are compiled when a run asks for them."""
+"""The code of a run has the method that it takes, and that of evaluations in C has none."""
 
 import pickle
 
 import pytest
 
 import lagc
+from lagc.simulation.backends.compile import compiler
 from lagc.simulation.system import OK, Options
 from tests.simulation.scaled import system as with_all_methods
 
 pytestmark = pytest.mark.usefixtures("own_cache")
+needs_c = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 PENDULUM = """model P
   coordinate Angle theta(start = 60 [deg]);
   body bob = Particle(mass = 1 [kg], at = 1 [m]*{sin(theta), 0, -cos(theta)});
@@ -42,3 +44,41 @@ def test_runs_share_the_code_of_a_method() -> None:
     codes = [run.system.model for run in runs]  # type: ignore[attr-defined]
     assert codes[0] is codes[2] and codes[1] is model.load("numpy").model  # type: ignore[attr-defined]
     assert codes[0].interface.methods == ("dopri5",)
+
+
+@needs_c
+def test_an_evaluation_in_c_compiles_no_integrator() -> None:
+    model = lagc.loads(PENDULUM).compile(backend="c")
+    other = lagc.loads(PENDULUM).compile(backend="numpy")
+    assert list(model.rhs(0.0, [0.3, 2.0])) == list(other.rhs(0.0, [0.3, 2.0]))
+    assert "record" not in model.system.model.functions  # type: ignore[attr-defined]
+
+
+EVALUATED = [
+    "course/simple_pendulum", "contact/bouncing_ball", "classic/four_bar", "classic/heavy_top_quaternion",
+    "classic/on_off_drive", "classic/chaplygin_sleigh", "classic/sampled_pd",
+]  # fmt: skip
+
+
+@needs_c
+@pytest.mark.full
+@pytest.mark.parametrize("name", EVALUATED)
+def test_evaluations_have_the_bits_of_runs(name: str) -> None:
+    """All functions, a run of the system without an integrator, and the way through a pickle."""
+    model = lagc.load(name).compile(backend="c")
+    lean = model.system
+    assert not lean.compiled.integrates  # type: ignore[attr-defined]
+    full, x = model.load("c"), [*model.start(), *[0.0] * lean.nz]
+    x += lean.start()[len(x) :]
+    for system in (lean, pickle.loads(pickle.dumps(lean)), lean.on(0.0, x)):
+        for function in ("accelerations", "position", "velocity", "scales", "energies", "gaps", "outputs",
+                         "conditions", *(["assemble"] if full.nc else [])):  # fmt: skip
+            assert getattr(system, function)(0.0, x) == getattr(full, function)(0.0, x), function
+        assert system.start() == full.start() and system.measures() == full.measures()
+        assert system.limits() == full.limits()
+        assert not full.interface.contacts or system.seated(0.0, x) == full.seated(0.0, x)
+        right = [0.5 + k for k in range(full.nv + full.nc)]
+        assert full.nc == 0 or system.solve(right) == full.solve(right)
+        runs = [s.integrate(Options(), 0.0, x, [0.05, 0.1]) for s in (system, full)]
+        assert runs[0].states == runs[1].states and runs[0].rhs == runs[1].rhs
+    assert model.system is full

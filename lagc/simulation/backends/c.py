@@ -36,7 +36,7 @@ class CModel(Compiled):
         return name.removesuffix(".h"), text
 
     @once
-    def integrates(self) -> bool:  # type: ignore[override]
+    def integrates(self) -> bool:
         own, text = self.header
         return f" {own}_record(" in text
 
