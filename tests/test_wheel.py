@@ -21,7 +21,7 @@ SHIPPED = ["/pyproject.toml", "/.gitignore", *HATCH["build"]["targets"]["sdist"]
 
 def checkout(target: Path) -> Path:
     """What the repository has under version control, as far as it is shipped, in a folder of its own."""
-    leave = shutil.ignore_patterns("__pycache__", "tables.json", "kernels.*.json", "*.pyc")
+    leave = shutil.ignore_patterns("__pycache__", "tables.json", "kernels.*.txt", "*.pyc")
     target.mkdir(parents=True)
     for pattern in SHIPPED:
         for path in ROOT.glob(pattern.removeprefix("/")):
@@ -85,8 +85,8 @@ def test_nothing_is_left_behind(installed: Path) -> None:
     for name in (
         "grammar/lag.lark",
         "syntax/tables.json",
-        "codegen/kernel_compiler/kernels.double.json",
-        "codegen/kernel_compiler/kernels.python.json",
+        "codegen/kernel_compiler/kernels.double.txt",
+        "codegen/kernel_compiler/kernels.python.txt",
         "models/classic/kepler.lag",
         "messages/syntax.md",
     ):

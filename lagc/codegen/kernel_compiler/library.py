@@ -15,7 +15,7 @@ from typing import Any
 from lagc.base.records import dataclass
 from lagc.codegen.kernel_compiler.parts import FUNCTION, RECORD, Part
 from lagc.host import cache as store
-from lagc.host.cache import tool_fingerprint
+from lagc.host.cache import contents, files, tool_fingerprint
 
 SINE_COSINE = ("sine_cosine", "sine_cosine_two")
 
@@ -32,16 +32,19 @@ class Chosen:
 
 class Library:
     """The parts that were compiled for one language: `python`, or `double`, `float` or `quad` for C.
-    `rows`: the fields of the parts of each name, which differ in their flags."""
+    `texts`: the fields of the parts of each name, which differ in their flags, as JSON."""
 
-    def __init__(self, language: str, rows: Mapping[str, list[Any]]):
-        self.language, self.rows = language, dict(rows)
+    def __init__(self, language: str, texts: Mapping[str, str]):
+        self.language, self.texts = language, dict(texts)
+        self.rows: dict[str, list[Any]] = {}  # of the names that were asked for: to read all takes 8 ms
         self.compiler: Any = None
         self.is_changed = False
 
     def part(self, name: str, flags: Mapping[str, bool]) -> Part:
         """Return a part for these flags. Raises KeyError for an unknown name."""
-        for row in self.rows.get(name, ()):
+        if name not in self.rows:
+            self.rows[name] = json.loads(self.texts.get(name, "[]"))
+        for row in self.rows[name]:
             if all(flags.get(flag) == value for flag, value in row[-1].items()):
                 return Part(*row)
         if self.compiler is None:
@@ -49,7 +52,8 @@ class Library:
 
             self.compiler = Compiler(self.language)
         found: Part = self.compiler.part(name, flags)
-        self.rows.setdefault(name, []).append(found)
+        self.rows[name].append(found)
+        self.texts[name] = json.dumps(self.rows[name], separators=(",", ":"))
         self.is_changed = True
         return found
 
@@ -81,14 +85,22 @@ class Library:
         """Keep what was compiled in the cache."""
         if self.is_changed:
             self.is_changed = False
-            store.store("kernels", store.key(_key(), self.language), json.dumps(self.rows).encode())
+            store.store("kernels", store.key(_key(), self.language), self.packed().encode())
+
+    def packed(self) -> str:
+        """Return the lines of a file of these parts."""
+        return "".join(f"{name}\t{text}\n" for name, text in self.texts.items())
 
 
 @cache
 def library(language: str) -> Library:
     """Return the library of a language, with what an earlier process or the installation left."""
-    rows = store.load("kernels", store.key(_key(), language), json.loads)
-    return Library(language, _shipped(language) if rows is None else rows)
+    texts = store.load("kernels", store.key(_key(), language), lambda data: _unpacked(data.decode()))
+    return Library(language, _shipped(language) if texts is None else texts)
+
+
+def _unpacked(text: str) -> dict[str, str]:
+    return dict(line.split("\t", 1) for line in text.splitlines())  # JSON has no line breaks
 
 
 def sine_cosine_kernels(functions: Iterable[str], language: str) -> Chosen:
@@ -99,20 +111,20 @@ def sine_cosine_kernels(functions: Iterable[str], language: str) -> Chosen:
 
 def shipped_path(language: str) -> str:
     """Return the path of the parts that an installation brings (`hatch_build.py`)."""
-    return os.path.join(os.path.dirname(os.path.abspath(__file__)), f"kernels.{language}.json")
+    return os.path.join(os.path.dirname(os.path.abspath(__file__)), f"kernels.{language}.txt")
 
 
 def packed(language: str) -> str:
     """Return the text of that file: the parts that this process has compiled."""
-    return json.dumps([_key(), library(language).rows], separators=(",", ":"))
+    return f"{_key()}\n{library(language).packed()}"
 
 
-def _shipped(language: str) -> dict[str, list[Any]]:
+def _shipped(language: str) -> dict[str, str]:
     """Return the parts that came with the installation, if they belong to its kernels."""
     try:
         with open(shipped_path(language), encoding="utf-8") as file:
-            key, rows = json.load(file)
-        return rows if key == _key() else {}
+            key, _, text = file.read().partition("\n")
+        return _unpacked(text) if key == _key() else {}
     except (OSError, ValueError):
         return {}
 
@@ -123,20 +135,14 @@ def _key() -> str:
     tool = store.key(tool_fingerprint())
     found = store.load("printers", tool, bytes.decode)
     if found is None:
-        texts = []
-        for path in sources():
-            with open(path, encoding="utf-8") as file:
-                texts.append(file.read())
-        found = store.key(*texts)
+        found = contents({path: os.stat(path) for path in sources()})
         store.store("printers", tool, found.encode())
     return found
 
 
 def sources() -> list[str]:
     """Return the files on which compiled kernels depend."""
-    from glob import glob
-
     here = os.path.dirname(os.path.abspath(__file__))
     kernels = os.path.join(os.path.dirname(os.path.dirname(here)), "kernels")
-    own = [*glob(os.path.join(here, "*.py")), os.path.join(os.path.dirname(here), "sizes.py")]
-    return sorted(glob(os.path.join(kernels, "**", "*.py"), recursive=True)) + sorted(own)
+    found = [path for folder in (kernels, here) for path, _ in files(folder) if path.endswith(".py")]
+    return [*sorted(found), os.path.join(os.path.dirname(here), "sizes.py")]

@@ -173,14 +173,16 @@ def tool_fingerprint() -> str:
     """Return the hash of all sources. It is cached by their sizes and times, so that they are only read again
     after a change."""
     try:
-        found = dict(sorted(_files()))
+        found = dict(sorted(files(PACKAGE)))
+        if os.path.exists(grammar := grammar_path()):
+            found[grammar] = os.stat(grammar)
         stamps = [f"{path}:{s.st_size}:{s.st_mtime_ns}:{s.st_ctime_ns}" for path, s in found.items()]
         stamp = key("\n".join(stamps))
         if folder() is None:
             return stamp
         kept = load("sources", stamp, bytes.decode)
         if kept is None:
-            kept = _contents(found)
+            kept = contents(found)
             if all(abs(time() - max(s.st_mtime, s.st_ctime)) > FRESH for s in found.values()):
                 store("sources", stamp, kept.encode())
         return kept
@@ -188,21 +190,19 @@ def tool_fingerprint() -> str:
         return os.urandom(32).hex()
 
 
-def _files() -> Iterator[tuple[str, os.stat_result]]:
-    folders = [PACKAGE]
-    for folder in folders:  # which grows
-        with os.scandir(folder) as entries:
+def files(folder: str) -> Iterator[tuple[str, os.stat_result]]:
+    """Yield the sources in a folder and below."""
+    folders = [folder]
+    for each in folders:  # which grows
+        with os.scandir(each) as entries:
             for entry in entries:
                 if entry.name.endswith(ENDINGS):
                     yield entry.path, entry.stat()
                 elif not entry.name.startswith(("__", ".")) and entry.is_dir():
                     folders.append(entry.path)
-    grammar = grammar_path()
-    if os.path.exists(grammar):
-        yield grammar, os.stat(grammar)
 
 
-def _contents(found: Mapping[str, os.stat_result]) -> str:
+def contents(found: Mapping[str, os.stat_result]) -> str:
     """Return the hash of files and their names."""
     whole = hashed(b"")
     for path, status in found.items():
