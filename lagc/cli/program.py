@@ -6,7 +6,7 @@ import os
 
 from lagc.cli.signals import SIGNALS
 
-YOUNG = 50_000  # new objects before garbage collection; with Python's 700 it takes 2 % of a short run
+YOUNG = 500_000  # new objects before garbage collection; with Python's 700 it takes a tenth of a short run
 # One thread for linear algebra, because the matrices are small.
 ALONE = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
