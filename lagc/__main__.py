@@ -1,5 +1,5 @@
 """`python -m lagc` is `lagc`."""
 
-from lagc.cli.program import program
+from lagc.cli.program import process
 
-program()
+process()

@@ -11,8 +11,16 @@ YOUNG = 500_000  # new objects before garbage collection; with Python's 700 it t
 ALONE = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
-def program() -> None:
+def process() -> None:
     """Run the command line and end the process with its exit code."""
+    code = program()
+    # Objects are not taken down one by one, which is a tenth of a short run; all output is flushed.
+    atexit._run_exitfuncs()
+    os._exit(code)
+
+
+def program() -> int:
+    """Run the command line and return the exit code."""
     code = 0
     gc.set_threshold(YOUNG)
     for name in ALONE:
@@ -24,6 +32,4 @@ def program() -> None:
             code = main()
     except KeyboardInterrupt:  # a second signal
         SIGNALS.over = True
-    # Objects are not taken down one by one, which is a tenth of a short run; all output is flushed.
-    atexit._run_exitfuncs()
-    os._exit(SIGNALS.code or code)
+    return SIGNALS.code or code
