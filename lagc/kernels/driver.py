@@ -9,7 +9,7 @@ from math import fabs
 from lagc.kernels.call_boundary import evaluate_start, keep_parameters, report_culprit
 from lagc.kernels.contact.kept_blocks import keep_blocks
 from lagc.kernels.contact.slips import keep_slip_errors, time_to_stop, turns_fast
-from lagc.kernels.contact.touching import forget_forces, put_on_constraints, rates_at
+from lagc.kernels.contact.touching import begin_flight, forget_forces, put_on_constraints, rates_at
 from lagc.kernels.events.contact_events import pass_event
 from lagc.kernels.events.location import (
     LEAST_SLACK,
@@ -496,6 +496,7 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
             return report_culprit(s, status, w)
     if NCON > 0:
         keep_blocks(True, w)
+        begin_flight(s.x, w)
     status = find_step(p, s, t1, goal, o, a, w)
     if NCON > 0:
         keep_blocks(False, w)

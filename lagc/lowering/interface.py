@@ -31,7 +31,7 @@ _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
     "initial_places", "relations", "timed", "flowing", "driven", "doubtful", "derivatives",
     "part_ends", "part_columns", "written", "conservative", "series", "methods",
-    "scales", "events", "blocks",
+    "scales", "events", "blocks", "enclosed",
 )  # fmt: skip
 _OPTIONAL = (
     "contacts", "late_relations", "loading_rows", "held_rows", "pushed_contacts", "servos", "curved_loads",
@@ -82,6 +82,7 @@ def interface(
         blocks=_blocks(equations, bool(loads.get("loading_rows") or loads.get("pushed_contacts"))),
         **_of_equations(equations),
         **_of_functions(functions, slopes),
+        enclosed=_enclosed(functions.values(), len(equations.q) + len(equations.v)),
         **_of_discretes(model),
         **_of_relations(relations),
         **loads,
@@ -177,6 +178,12 @@ def _of_equations(equations: EquationsOfMotion) -> dict[str, Any]:
         "balance": equations.balance,
         "driven": bool(depends([row.rate for row in equations.rows], [equations.time])),
     }
+
+
+def _enclosed(functions: Iterable[Function], moved: int) -> tuple[int, ...]:
+    """Return the states of (q, v) whose ends in a box of time and these functions read."""
+    read = {o.payload for f in functions if "box" in f.inputs for o in f.operations if o.op == "load"}
+    return tuple([i for i in range(moved) if not read.isdisjoint({("box", 1 + i), ("box", moved + 2 + i)})])
 
 
 def _of_functions(functions: Mapping[str, Function], slopes: Slopes) -> dict[str, Any]:

@@ -59,7 +59,8 @@ def recall_blocks(x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> bool:
 
 
 def keep_blocks(keeps: bool, w: Work) -> None:
-    """Let evaluations keep what they solve, or no longer; nothing is known yet."""
+    """Let evaluations keep what they solve, or no longer; nothing is known yet, nor whether contacts touch."""
+    w.contacts.flies = False
     w.contacts.keeps = keeps
     for block in range(NBLOCK):
         w.contacts.known[block] = 0

@@ -42,6 +42,9 @@ MOST_SEATINGS = 4  # Newton iterations of the gaps of contacts that touch
 def find_touching(x: Vec[NX], w: Work) -> bool:
     """Set w.contacts.touched and w.contacts.modes by the modes in x, which may be perturbed by round-off.
     Return whether any contact touches."""
+    # In flight they are those of the beginning of the step.
+    if w.contacts.flies:
+        return False
     found = False
     for i in range(NCON):
         # Modes are exactly -1, 0, 1 or 2; thresholds between them allow for perturbations of x, by which
@@ -424,12 +427,18 @@ def solve_blocks(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w:
     return OK
 
 
-def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
-    """Compute xdot and lam at (t, x) with the contacts that touch by the modes in x, and their forces."""
-    # Forces of open contacts are zero, also where this evaluation ends early.
+def forget_pushes(w: Work) -> None:
+    """Set the forces of all contacts to zero."""
     for r in range(NCROW):
         w.contacts.forces[r] = 0.0
         w.contacts.pushes[r] = 0.0
+
+
+def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
+    """Compute xdot and lam at (t, x) with the contacts that touch by the modes in x, and their forces."""
+    # Forces of open contacts are zero, also where this evaluation ends early.
+    if not w.contacts.flies:
+        forget_pushes(w)
     # Without contacts these loads are solved by `motion_at`, which is cheaper.
     if NLOADED > 0:
         if not find_touching(x, w):
@@ -449,7 +458,17 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
 
 def forget_forces(w: Work) -> None:
     """Begin the ranges of forces, and of the friction that is left, anew."""
-    forget_samples(NMODE - NCON - NSLIP, NMODE, w)
+    if not w.contacts.flies:
+        forget_samples(NMODE - NCON - NSLIP, NMODE, w)
+
+
+def begin_flight(x: Vec[NX], w: Work) -> None:
+    """If no contact touches at the beginning of a step, let its evaluations look for none: the modes in x do
+    not change within it."""
+    w.contacts.flies = False
+    if not find_touching(x, w):
+        forget_pushes(w)
+        w.contacts.flies = True
 
 
 def displace_contacts(p: Params, t: Real, x: Vec[NX], w: Work) -> None:

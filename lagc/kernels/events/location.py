@@ -25,7 +25,7 @@ from lagc.kernels.integrators.dispatch import (
     end_rate_row,
     method_dense_at,
     method_dense_output,
-    method_stage_deviations,
+    method_stage_deviation,
     method_watched_at,
 )
 from lagc.kernels.language.vocabulary import *
@@ -54,14 +54,14 @@ def enclose_state(i: int, low: Real, high: Real, more: Real, w: Work) -> None:
 
 
 def enclose_step(s: State, method: int, a: Trial, w: Work) -> None:
-    """Set w.search.box to an estimate of the range of the step from s.x to s.x_new. It is the hull of the
-    control points of the cubic through both ends, widened by a quarter and by |h| times the largest deviation
-    of a stage from this cubic."""
+    """Set w.search.box to an estimate of the range of the step from s.x to s.x_new, of the states that bounds
+    depend on. It is the hull of the control points of the cubic through both ends, widened by a quarter and
+    by |h| times the largest deviation of a stage from this cubic."""
     # The cubic x(c) with x, h x' of both ends lies in the hull of its Bezier control points x0, x0 + h x0' /
     # 3, x1 - h x1' / 3, x1.
     enclose_time(s.t, a.t_new, w)
-    method_stage_deviations(method, a.h, s, w.search.x_part_middle)
-    for i in range(NQ + NV):
+    for n in range(NENCLOSED):
+        i = enclosed_state[n]
         low = s.x[i]
         high = low
         for j in range(3):
@@ -77,9 +77,8 @@ def enclose_step(s: State, method: int, a: Trial, w: Work) -> None:
                 high = value
         # Two margins: a quarter of the hull, and the most by which a stage's rate deviates from the cubic's
         # slope, over the step.
-        enclose_state(
-            i, low, high, ENCLOSURE_MARGIN * (high - low) + fabs(a.h) * w.search.x_part_middle[i], w
-        )
+        deviation = fabs(a.h) * method_stage_deviation(method, i, a.h, s)
+        enclose_state(i, low, high, ENCLOSURE_MARGIN * (high - low) + deviation, w)
 
 
 def enclose_part(t: Real, h: Real, left: Real, right: Real, w: Work) -> None:
@@ -375,7 +374,8 @@ def estimate_indicator_roundoff(p: Params, s: State, reach: Vec[NX], w: Work) ->
     # A box of one unit in the last place about (t, x): its enclosure is what round-off of time and states
     # makes of each indicator.
     enclose_time(s.t - SPACING * fabs(s.t), s.t + SPACING * fabs(s.t), w)
-    for i in range(NQ + NV):
+    for n in range(NENCLOSED):
+        i = enclosed_state[n]
         size = fabs(s.x[i]) if fabs(s.x[i]) > fabs(reach[i]) else fabs(reach[i])
         enclose_state(i, s.x[i], s.x[i], SPACING * size, w)
     fn_enclosure_on(p, w.modes, w.search.box, w.events.enclosures)
@@ -403,8 +403,18 @@ def is_crossing(k: int, direction: Real, w: Work) -> bool:
     return not moves_away(k, direction, w)
 
 
+def has_slack(s: State) -> bool:
+    """Return whether any indicator that depends on the state has slack."""
+    for k in range(NTIMED, NMODE):
+        if s.slack[k] != 0.0:
+            return True
+    return False
+
+
 def release_slack(p: Params, s: State, w: Work) -> None:
     """Set the slack of an indicator to 0 once its margin is several times the slack."""
+    if not has_slack(s):
+        return
     # At the state of the beginning; contacts that touch are not watched by gaps.
     indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)
     if NCON > 0:

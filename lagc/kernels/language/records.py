@@ -301,6 +301,7 @@ class ContactWork:
     x: Vec[NX]
     rates: Vec[NX]
     lam: Vec[NC]
+    flies: bool  # no contact touches in this step
     # Blocks whose states do not change within a step keep their rates and forces
     keeps: bool
     known: IVec[NBLOCK]
