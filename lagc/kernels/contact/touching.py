@@ -427,18 +427,17 @@ def solve_blocks(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w:
     return OK
 
 
-def forget_pushes(w: Work) -> None:
-    """Set the forces of all contacts to zero."""
+def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
+    """Compute xdot and lam at (t, x) with the contacts that touch by the modes in x, and their forces."""
+    # In flight nothing is left to do.
+    if w.contacts.flies:
+        if NLOADED > 0:
+            return moves_freely(p, t, x, xdot, lam, w)
+        return rhs_at(p, t, x, xdot, lam, w)
+    # Forces of open contacts are zero, also where this evaluation ends early.
     for r in range(NCROW):
         w.contacts.forces[r] = 0.0
         w.contacts.pushes[r] = 0.0
-
-
-def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
-    """Compute xdot and lam at (t, x) with the contacts that touch by the modes in x, and their forces."""
-    # Forces of open contacts are zero, also where this evaluation ends early.
-    if not w.contacts.flies:
-        forget_pushes(w)
     # Without contacts these loads are solved by `motion_at`, which is cheaper.
     if NLOADED > 0:
         if not find_touching(x, w):
@@ -465,9 +464,10 @@ def forget_forces(w: Work) -> None:
 def begin_flight(x: Vec[NX], w: Work) -> None:
     """If no contact touches at the beginning of a step, let its evaluations look for none: the modes in x do
     not change within it."""
-    w.contacts.flies = False
     if not find_touching(x, w):
-        forget_pushes(w)
+        for r in range(NCROW):
+            w.contacts.forces[r] = 0.0
+            w.contacts.pushes[r] = 0.0
         w.contacts.flies = True
 
 
