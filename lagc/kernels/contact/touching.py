@@ -578,9 +578,11 @@ def put_on_constraints(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Wo
     status = project(p, t, x, sizes, w)
     if failed(status) or not find_touching(x, w):
         return status
+    # Blocks do not move each other's gaps: those of all are known at once.
+    set_gaps(p, t, x, w)
     for block in range(NBLOCK):
         list_blocks(block, block + 1, False, w)
-        if w.contacts.law.count > 0:
+        if not are_seated(w):
             status = seat(p, t, x, w)
             if failed(status):
                 return status

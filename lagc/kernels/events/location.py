@@ -38,6 +38,7 @@ NARROWEST_PART = 1e-9  # length below which two crossings are not told apart
 MOST_SHORT_PARTS = 64  # shorter parts in one step, which may stay beside a crossing
 LEAST_SLACK = 2.0  # slack over the distance beyond a crossing by round-off; it doubles in each repetition
 MOST_SLACK = 4096.0  # up to this; then the crossing is taken for a true one
+GROWTH_OF_SHORT = 8.0  # of such a part to the next one, if no indicator crosses in it
 SLACK_GROWTH = 8.0  # units in the last place
 
 
@@ -192,9 +193,10 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
     above = smallest_margin(p, s.t + high * h, w.search.x_part_middle, s, w)
     method_watched_at(method, low, s, w.search.x_part_middle, w)
     below = smallest_margin(p, s.t + low * h, w.search.x_part_middle, s, w)
-    # The end that stays halves its value, so that the secant does not keep to one side.
+    # An end that stays for a second time halves its value, so that the secant does not keep to one side.
     least = 2.0 * SPACING * (1.0 + fabs(s.t / h))
     turn = 0
+    stays = 0  # 1: the last turn has replaced `high`, -1: `low`
     while high - low > least:
         # Regula falsi on two of three turns, and never nearer to an end than half of the least distance: so
         # both ends close in.
@@ -213,11 +215,15 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
         if found < 0.0:
             high = guess
             above = found
-            below *= 0.5
+            if stays > 0:
+                below *= 0.5
+            stays = 1
         else:
             low = guess
             below = found
-            above *= 0.5
+            if stays < 0:
+                above *= 0.5
+            stays = -1
         turn += 1
     # All that are beyond at the end found cross together there.
     method_watched_at(method, high, s, w.search.x_part_middle, w)
@@ -271,14 +277,15 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
         return NO_EVENT
     if failed(trial_dense_output(p, s, method, a, w)):
         return -1.0
-    # Parts of the dense output from left to right: a part that cannot exclude a crossing is halved, one that
-    # does is followed by a longer one: so the first crossing is found. Of several blocks, what a part has
+    # Parts of the dense output from left to right: a part that cannot exclude a crossing is halved; one that
+    # does is followed by its other half, and behind that, `fence`, by a longer one. So the first crossing is
+    # found. Of several blocks, what a part has
     # excluded is not looked at within it: up to `narrow` the first of w.events.suspect alone may cross.
     looked = 0
     left = 0.0
     width = LONGEST_PART
-    if NAPART > 0:
-        narrow = 1.0
+    fence = 0.0
+    narrow = 1.0
     begin_parts(most, s, w)
     while left < 1.0:
         if NAPART > 0:
@@ -286,14 +293,15 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
                 suspect(most, s, w)
                 narrow = 1.0
                 method_watched_at(method, left, s, w.search.x_part_begin, w)
-        right = left + width if left + width < 1.0 else 1.0
+        right = left + width if left + width < narrow else narrow
         enclose_dense_output(s, method, a, left, right, w)
         sample_part(p, s, a, left, right, w)
         found = find_suspects(p, s, w)
         if found == 0:
-            if width < LONGEST_PART:
-                width *= 2.0
+            if width < LONGEST_PART and right >= fence:
+                width *= 2.0 if width >= SHORTEST_PART else GROWTH_OF_SHORT
         elif width > SHORTEST_PART:
+            fence = right
             if NAPART > 0:
                 if found < w.events.suspects:
                     suspect(found, s, w)
@@ -301,13 +309,15 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
             width *= 0.5
             continue
         # At 1/256 of the step: a crossing is located if an indicator is beyond at the end of the part; else
-        # it may have crossed twice, and a limited number of parts is halved on to 1e-9.
+        # it may have crossed twice, and a limited number of parts is halved on to 1e-9. At the beginning of the
+        # step this is a gap that leaves zero, which takes parts of 1e-8 at first.
         elif any_crossed(p, s.t + right * a.h, w.search.x_part_end, s, w):
             return locate_crossing(p, s, method, a.h, left, right, w)
         elif looked < MOST_SHORT_PARTS:  # it may be crossed twice
             looked += 1
             if width > NARROWEST_PART:
-                width *= 0.5
+                fence = right if left > 0.0 else 0.0
+                width *= 0.5 if left > 0.0 else 1.0 / GROWTH_OF_SHORT
                 continue
         else:
             width = SHORTEST_PART
