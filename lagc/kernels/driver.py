@@ -7,7 +7,7 @@ section II.4; L. F. Shampine, I. Gladwell, R. W. Brankin, ACM Trans. Math. Softw
 from math import fabs
 
 from lagc.kernels.call_boundary import evaluate_start, keep_parameters, report_culprit
-from lagc.kernels.contact.kept_blocks import keep_blocks
+from lagc.kernels.contact.kept_blocks import keep_blocks, keep_blocks_at_rest
 from lagc.kernels.contact.slips import keep_slip_errors, time_to_stop, turns_fast
 from lagc.kernels.contact.touching import begin_flight, forget_forces, put_on_constraints, rates_at
 from lagc.kernels.events.contact_events import pass_event
@@ -471,7 +471,11 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
     # Contacts or clauses that act at the beginning are reported as a step of length 0.
     if NLEAP > 0:
         changes = s.changes
+    if NCON > 0:
+        keep_blocks_at_rest(True, w)
     status = evaluate_start(p, s, a.direction, w)
+    if NCON > 0:
+        keep_blocks(False, w)
     if failed(status):
         return report_culprit(s, status, w)
     if NLEAP > 0:
