@@ -28,9 +28,8 @@ def keep_block(block: int, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> 
             w.contacts.kept_pushes[row] = w.contacts.pushes[row]
 
 
-def recall_block(block: int, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> bool:
-    """Take the rates and forces of a block that were solved for in these states and modes, and clear
-    w.contacts.touched of its contacts; return whether they were."""
+def is_kept(block: int, x: Vec[NX], w: Work) -> bool:
+    """Return whether a block was solved for in these states and modes."""
     if w.contacts.known[block] == 0:
         return False
     for c in range(contact_begin[block], contact_end[block]):
@@ -41,11 +40,28 @@ def recall_block(block: int, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -
         i = block_state[c]
         if not x[i] == w.contacts.kept_x[i]:
             return False
+    return True
+
+
+def is_at_rest(block: int, w: Work) -> bool:
+    """Return whether the rates of a block that is kept are zero."""
+    for c in range(state_begin[block], state_end[block]):
+        if w.contacts.kept_rates[block_state[c]] != 0.0:
+            return False
+    return True
+
+
+def recall_rates(block: int, xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
+    """Take the rates of a block that is kept."""
     for c in range(state_begin[block], state_end[block]):
         xdot[block_state[c]] = w.contacts.kept_rates[block_state[c]]
     for k in range(NC):
         if equation_block[k] == block:
             lam[k] = w.contacts.kept_lam[k]
+
+
+def recall_forces(block: int, w: Work) -> None:
+    """Take the forces of a block that is kept, and clear w.contacts.touched of its contacts."""
     for c in range(contact_begin[block], contact_end[block]):
         i = block_contact[c]
         if w.contacts.touched[i] > 0:
@@ -53,7 +69,6 @@ def recall_block(block: int, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -
             for row in range(contact_first[i], contact_first[i] + contact_slips[i] + 1):
                 w.contacts.forces[row] = w.contacts.kept_forces[row]
                 w.contacts.pushes[row] = w.contacts.kept_pushes[row]
-    return True
 
 
 def recall_blocks(x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> bool:
@@ -61,7 +76,9 @@ def recall_blocks(x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> bool:
     touch."""
     if w.contacts.keeps:
         for block in range(NBLOCK):
-            recall_block(block, x, xdot, lam, w)
+            if is_kept(block, x, w):
+                recall_rates(block, xdot, lam, w)
+                recall_forces(block, w)
     for i in range(NCON):
         if w.contacts.touched[i] > 0:
             return True

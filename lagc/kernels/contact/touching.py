@@ -12,7 +12,7 @@ from math import fabs, sqrt
 
 from lagc.kernels.arithmetic.quaternions import normalise
 from lagc.kernels.constraints.projection import project
-from lagc.kernels.contact.kept_blocks import keep_block, recall_blocks
+from lagc.kernels.contact.kept_blocks import is_kept, keep_block, recall_blocks, recall_forces, recall_rates
 from lagc.kernels.contact.law import CONTACT_SLIPS, CONTACT_STICKS, shares_force, solve_frozen
 from lagc.kernels.contact.modes import LAW_FOUND, LAW_NONE, set_law
 from lagc.kernels.contact.normal_forces import set_normals_given, solve_touching
@@ -44,7 +44,7 @@ def find_touching(x: Vec[NX], w: Work) -> bool:
     Return whether any contact touches."""
     # In flight they are those of the beginning of the step.
     if w.contacts.flies:
-        return False
+        return w.contacts.touches
     found = False
     for i in range(NCON):
         # Modes are exactly -1, 0, 1 or 2; thresholds between them allow for perturbations of x, by which
@@ -429,11 +429,17 @@ def solve_blocks(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w:
 
 def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
     """Compute xdot and lam at (t, x) with the contacts that touch by the modes in x, and their forces."""
-    # In flight nothing is left to do.
+    # In flight the forces are those of blocks at rest.
     if w.contacts.flies:
         if NLOADED > 0:
             return moves_freely(p, t, x, xdot, lam, w)
-        return rhs_at(p, t, x, xdot, lam, w)
+        if not w.contacts.touches:
+            return rhs_at(p, t, x, xdot, lam, w)
+        status = rhs_at(p, t, x, xdot, lam, w)
+        for n in range(w.contacts.resting):
+            recall_rates(w.contacts.rest[n], xdot, lam, w)
+        store_power(p, t, x, xdot, lam, w)
+        return status
     # Forces of open contacts are zero, also where this evaluation ends early.
     for r in range(NCROW):
         w.contacts.forces[r] = 0.0
@@ -462,13 +468,28 @@ def forget_forces(w: Work) -> None:
 
 
 def begin_flight(x: Vec[NX], w: Work) -> None:
-    """If no contact touches at the beginning of a step, let its evaluations look for none: the modes in x do
-    not change within it."""
-    if not find_touching(x, w):
-        for r in range(NCROW):
-            w.contacts.forces[r] = 0.0
-            w.contacts.pushes[r] = 0.0
-        w.contacts.flies = True
+    """If no contact touches at the beginning of a step, but those of blocks at rest, let its evaluations look
+    for no others: neither the modes in x nor the states of these blocks change within it."""
+    w.contacts.touches = find_touching(x, w)
+    w.contacts.resting = 0
+    if NLOADED > 0:
+        if w.contacts.touches:
+            return
+    for r in range(NCROW):
+        w.contacts.forces[r] = 0.0
+        w.contacts.pushes[r] = 0.0
+    for i in range(NCON):
+        if w.contacts.touched[i] > 0:
+            block = contact_block[i]
+            if not (is_kept(block, x, w) and is_at_rest(block, w)):
+                return
+            recall_forces(block, w)
+            w.contacts.rest[w.contacts.resting] = block
+            w.contacts.resting += 1
+    find_touching(x, w)
+    forget_forces(w)
+    sample_forces(w)
+    w.contacts.flies = True
 
 
 def displace_contacts(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
@@ -576,7 +597,7 @@ def close(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
 def put_on_constraints(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> Status:
     """Project x onto the constraints and onto the contacts that touch by the modes in x."""
     status = project(p, t, x, sizes, w)
-    if failed(status) or not find_touching(x, w):
+    if failed(status) or w.contacts.flies or not find_touching(x, w):
         return status
     # Blocks do not move each other's gaps: those of all are known at once.
     set_gaps(p, t, x, w)
