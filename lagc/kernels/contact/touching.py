@@ -12,7 +12,14 @@ from math import fabs, sqrt
 
 from lagc.kernels.arithmetic.quaternions import normalise
 from lagc.kernels.constraints.projection import project
-from lagc.kernels.contact.kept_blocks import is_kept, keep_block, recall_blocks, recall_forces, recall_rates
+from lagc.kernels.contact.kept_blocks import (
+    is_at_rest,
+    is_kept,
+    keep_block,
+    recall_blocks,
+    recall_forces,
+    recall_rates,
+)
 from lagc.kernels.contact.law import CONTACT_SLIPS, CONTACT_STICKS, shares_force, solve_frozen
 from lagc.kernels.contact.modes import LAW_FOUND, LAW_NONE, set_law
 from lagc.kernels.contact.normal_forces import set_normals_given, solve_touching

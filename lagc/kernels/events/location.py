@@ -38,7 +38,7 @@ NARROWEST_PART = 1e-9  # length below which two crossings are not told apart
 MOST_SHORT_PARTS = 64  # shorter parts in one step, which may stay beside a crossing
 LEAST_SLACK = 2.0  # slack over the distance beyond a crossing by round-off; it doubles in each repetition
 MOST_SLACK = 4096.0  # up to this; then the crossing is taken for a true one
-GROWTH_OF_SHORT = 8.0  # of such a part to the next one, if no indicator crosses in it
+GROWTH_OF_SHORT = 8.0  # from such a part to the next one, behind a beginning at zero
 SLACK_GROWTH = 8.0  # units in the last place
 
 
@@ -279,8 +279,8 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
         return -1.0
     # Parts of the dense output from left to right: a part that cannot exclude a crossing is halved; one that
     # does is followed by its other half, and behind that, `fence`, by a longer one. So the first crossing is
-    # found. Of several blocks, what a part has
-    # excluded is not looked at within it: up to `narrow` the first of w.events.suspect alone may cross.
+    # found. Of several blocks, what a part has excluded is not looked at within it: up to `narrow`, the end of
+    # the next parts, the first of w.events.suspect alone may cross.
     looked = 0
     left = 0.0
     width = LONGEST_PART
@@ -309,8 +309,8 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
             width *= 0.5
             continue
         # At 1/256 of the step: a crossing is located if an indicator is beyond at the end of the part; else
-        # it may have crossed twice, and a limited number of parts is halved on to 1e-9. At the beginning of the
-        # step this is a gap that leaves zero, which takes parts of 1e-8 at first.
+        # it may have crossed twice, and a limited number of parts is halved on to 1e-9. At the beginning
+        # it is rather a gap that leaves zero: its bounds exclude that in parts of 1e-8, which then grow.
         elif any_crossed(p, s.t + right * a.h, w.search.x_part_end, s, w):
             return locate_crossing(p, s, method, a.h, left, right, w)
         elif looked < MOST_SHORT_PARTS:  # it may be crossed twice
