@@ -279,8 +279,8 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
         return -1.0
     # Parts of the dense output from left to right: a part that cannot exclude a crossing is halved; one that
     # does is followed by its other half, and behind that, `fence`, by a longer one. So the first crossing is
-    # found. Of several blocks, what a part has excluded is not looked at within it: up to `narrow`, the end of
-    # the next parts, the first of w.events.suspect alone may cross.
+    # found. Of several blocks, what a part has excluded is not looked at within it: up to `narrow`, the end
+    # of the next parts, the first of w.events.suspect alone may cross.
     looked = 0
     left = 0.0
     width = LONGEST_PART
