@@ -7,9 +7,10 @@ section II.4; L. F. Shampine, I. Gladwell, R. W. Brankin, ACM Trans. Math. Softw
 from math import fabs
 
 from lagc.kernels.call_boundary import evaluate_start, keep_parameters, report_culprit
+from lagc.kernels.contact.flight import begin_flight
 from lagc.kernels.contact.kept_blocks import keep_blocks, keep_blocks_at_rest
 from lagc.kernels.contact.slips import keep_slip_errors, time_to_stop, turns_fast
-from lagc.kernels.contact.touching import begin_flight, forget_forces, put_on_constraints, rates_at
+from lagc.kernels.contact.touching import forget_forces, put_on_constraints, rates_at
 from lagc.kernels.events.contact_events import pass_event
 from lagc.kernels.events.location import (
     LEAST_SLACK,

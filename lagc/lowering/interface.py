@@ -79,8 +79,7 @@ def interface(
         contacts=_contacts(equations, int(work)),
         blocks=_blocks(equations, bool(loads.get("loading_rows") or loads.get("pushed_contacts"))),
         **_of_equations(equations),
-        **_of_functions(functions, slopes),
-        enclosed=_enclosed(functions.values(), len(equations.q) + len(equations.v)),
+        **_of_functions(functions, slopes, len(equations.q) + len(equations.v)),
         **_of_discretes(model),
         **_of_relations(relations),
         **loads,
@@ -184,8 +183,9 @@ def _enclosed(functions: Iterable[Function], moved: int) -> tuple[int, ...]:
     return tuple([i for i in range(moved) if not read.isdisjoint({("box", 1 + i), ("box", moved + 2 + i)})])
 
 
-def _of_functions(functions: Mapping[str, Function], slopes: Slopes) -> dict[str, Any]:
-    """Return what the functions and the derivatives of the initial equations tell of themselves."""
+def _of_functions(functions: Mapping[str, Function], slopes: Slopes, moved: int) -> dict[str, Any]:
+    """Return what the functions and the derivatives of the initial equations tell of themselves; `moved` are
+    the states (q, v)."""
     # The derivatives of the initial equations as tables: ends of rows and columns of entries. Where sums are
     # shared, also those of the parts.
     bind = functions.get("bind")
@@ -201,6 +201,7 @@ def _of_functions(functions: Mapping[str, Function], slopes: Slopes) -> dict[str
         "prepared": bind.outputs[0][1] if bind else 0,
         "functions": tuple(functions),
         "series": counts(functions),
+        "enclosed": _enclosed(functions.values(), moved),
         "features": dict(functions["features"].outputs)["e"] if "features" in functions else 0,
         "poles": dict(functions["poles"].outputs)["e"] if "poles" in functions else 0,
     }

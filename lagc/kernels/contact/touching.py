@@ -12,14 +12,7 @@ from math import fabs, sqrt
 
 from lagc.kernels.arithmetic.quaternions import normalise
 from lagc.kernels.constraints.projection import project
-from lagc.kernels.contact.kept_blocks import (
-    is_at_rest,
-    is_kept,
-    keep_block,
-    recall_blocks,
-    recall_forces,
-    recall_rates,
-)
+from lagc.kernels.contact.kept_blocks import keep_block, recall_blocks, recall_rates
 from lagc.kernels.contact.law import CONTACT_SLIPS, CONTACT_STICKS, shares_force, solve_frozen
 from lagc.kernels.contact.modes import LAW_FOUND, LAW_NONE, set_law
 from lagc.kernels.contact.normal_forces import set_normals_given, solve_touching
@@ -36,10 +29,11 @@ from lagc.kernels.contact.responses import (
     set_delassus,
     set_loads,
     set_responses,
+    store_power,
 )
 from lagc.kernels.contact.shares import AT_BOUND, share_load
 from lagc.kernels.dynamics.loaded_reactions import MOST_LOAD_STEPS, motion_at
-from lagc.kernels.dynamics.rhs import rhs_at, store_rates
+from lagc.kernels.dynamics.rhs import rhs_at
 from lagc.kernels.events.sampled_indicators import add_sample, forget_samples
 from lagc.kernels.language.vocabulary import *
 
@@ -294,24 +288,6 @@ def sample_forces(w: Work) -> None:
                     add_sample(slip_relation(i), w.contacts.cone_margins[i], w)
 
 
-def store_power(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
-    """Set the rate of the work integral for accelerations, multipliers and forces of contacts."""
-    if NZ > 0:
-        # The work integral follows from the accelerations with contacts. Loads of normal forces do work too.
-        w.a[:] = part(xdot, NQ, NQ + NV)
-        w.qdot[:] = part(xdot, 0, NQ)
-        store_rates(p, t, x, xdot, lam, w)
-        # Power of the contact forces themselves: p . R v, zero but for slips.
-        for i in range(NCON):
-            if w.contacts.touched[i] > 0:
-                block = contact_block[i]
-                for row in range(contact_first[i], contact_first[i] + contact_slips[i] + 1):
-                    for c in range(speed_begin[block], speed_end[block]):
-                        j = block_speed[c]
-                        power = w.contacts.pushes[row] * w.contacts.rows[row * NV + j]
-                        xdot[NQ + NV] += power * x[NQ + j]
-
-
 def open_push(w: Work) -> int:
     """Return a listed contact whose normal force loads depend on and other contacts share; -1 without."""
     for n in range(w.contacts.law.count):
@@ -446,8 +422,8 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
         if not w.contacts.touches:
             return rhs_at(p, t, x, xdot, lam, w)
         status = rhs_at(p, t, x, xdot, lam, w)
-        for n in range(w.contacts.resting):
-            recall_rates(w.contacts.rest[n], xdot, lam, w)
+        for n in range(w.contacts.constant_count):
+            recall_rates(w.contacts.constant[n], xdot, lam, w)
         store_power(p, t, x, xdot, lam, w)
         return status
     # Forces of open contacts are zero, also where this evaluation ends early.
@@ -475,31 +451,6 @@ def forget_forces(w: Work) -> None:
     """Begin the ranges of forces, and of the friction that is left, anew."""
     if not w.contacts.flies:
         forget_samples(NMODE - NCON - NSLIP, NMODE, w)
-
-
-def begin_flight(x: Vec[NX], w: Work) -> None:
-    """If no contact touches at the beginning of a step, but those of blocks at rest, let its evaluations look
-    for no others: neither the modes in x nor the states of these blocks change within it."""
-    w.contacts.touches = find_touching(x, w)
-    w.contacts.resting = 0
-    if NLOADED > 0:
-        if w.contacts.touches:
-            return
-    for r in range(NCROW):
-        w.contacts.forces[r] = 0.0
-        w.contacts.pushes[r] = 0.0
-    for i in range(NCON):
-        if w.contacts.touched[i] > 0:
-            block = contact_block[i]
-            if not (is_kept(block, x, w) and is_at_rest(block, w)):
-                return
-            recall_forces(block, w)
-            w.contacts.rest[w.contacts.resting] = block
-            w.contacts.resting += 1
-    find_touching(x, w)
-    forget_forces(w)
-    sample_forces(w)
-    w.contacts.flies = True
 
 
 def displace_contacts(p: Params, t: Real, x: Vec[NX], w: Work) -> None:

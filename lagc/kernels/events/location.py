@@ -171,6 +171,21 @@ def update_all_margins(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Non
     update_margins(p, t, x, s, w)
 
 
+def update_margin_changes(
+    p: Params, s: State, method: int, h: Real, left: Real, right: Real, w: Work
+) -> None:
+    """Compute w.events.margin_changes, what the margins of suspected indicators change over a part of the
+    step."""
+    method_watched_at(method, left, s, w.search.x_part_middle, w)
+    update_margins(p, s.t + left * h, w.search.x_part_middle, s, w)
+    w.events.margin_changes[:] = w.events.margins
+    method_watched_at(method, right, s, w.search.x_part_middle, w)
+    update_margins(p, s.t + right * h, w.search.x_part_middle, s, w)
+    for n in range(w.events.suspects):
+        j = w.events.suspect[n]
+        w.events.margin_changes[j] = fabs(w.events.margin_changes[j] - w.events.margins[j])
+
+
 def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right: Real, w: Work) -> Real:
     """Return the part of the step where the smallest margin changes sign, to one unit in the last place of
     the time and just beyond the crossing, with w.events.crossed. Illinois method (M. Dowell, P. Jarratt, BIT
@@ -182,14 +197,7 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
     # Margins of several indicators are compared by what each changes over the part.
     low = left
     high = right
-    method_watched_at(method, low, s, w.search.x_part_middle, w)
-    update_margins(p, s.t + low * h, w.search.x_part_middle, s, w)
-    w.events.margin_changes[:] = w.events.margins
-    method_watched_at(method, high, s, w.search.x_part_middle, w)
-    update_margins(p, s.t + high * h, w.search.x_part_middle, s, w)
-    for n in range(w.events.suspects):
-        j = w.events.suspect[n]
-        w.events.margin_changes[j] = fabs(w.events.margin_changes[j] - w.events.margins[j])
+    update_margin_changes(p, s, method, h, low, high, w)
     above = smallest_margin(p, s.t + high * h, w.search.x_part_middle, s, w)
     method_watched_at(method, low, s, w.search.x_part_middle, w)
     below = smallest_margin(p, s.t + low * h, w.search.x_part_middle, s, w)
@@ -261,10 +269,9 @@ def sample_part(p: Params, s: State, a: Trial, left: Real, right: Real, w: Work)
             force_range(p, s.t + right * a.h, w.search.x_part_end, w)
 
 
-def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
-    """Return the part of the step from s.x to s.x_new after which the first indicator crosses, NO_EVENT,
-    or a negative number if the dense output failed."""
-    # The cheap test on the whole step; nearly all steps end here.
+def suspect_in_step(p: Params, s: State, method: int, a: Trial, w: Work) -> int:
+    """Put the indicators that may cross in the step from s.x to s.x_new first in w.events.suspect; return how
+    many these are."""
     enclose_step(s, method, a, w)
     # Indicators that need a solve are sampled on the cubic of the step.
     if NLATE > 0:
@@ -272,7 +279,14 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
     if NCON > 0:
         force_range(p, s.t, s.x, w)
     suspect_all(w)
-    most = find_suspects(p, s, w)
+    return find_suspects(p, s, w)
+
+
+def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
+    """Return the part of the step from s.x to s.x_new after which the first indicator crosses, NO_EVENT,
+    or a negative number if the dense output failed."""
+    # The cheap test on the whole step; nearly all steps end here.
+    most = suspect_in_step(p, s, method, a, w)
     if most == 0:
         return NO_EVENT
     if failed(trial_dense_output(p, s, method, a, w)):

@@ -303,8 +303,8 @@ class ContactWork:
     lam: Vec[NC]
     flies: bool  # no contact touches in this step, but those of blocks at rest
     touches: bool  # one of these does
-    rest: IVec[NBLOCK]
-    resting: int  # how many
+    constant: IVec[NBLOCK]  # these blocks
+    constant_count: int  # how many
     # Blocks whose states do not change within a step keep their rates and forces
     keeps: bool
     known: IVec[NBLOCK]
