@@ -1,0 +1,193 @@
+"""The change of the sensitivities S of a motion where contacts act.
+
+A gap closes, a force falls to zero, a slip ends, static friction gives way: each has an indicator g that is
+zero at the event, whose time changes by dt = -(g_x S + g_theta)/(g_x f- + g_t).  The state before the event
+changes by S + f- dt, that after it by S+ + f+ dt.  Without an impact both are the same.  An impact maps the
+one on the other, x+ = R(x, theta, t), as long as the same contacts slip, stick and leave.
+(R. I. Leine, H. Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004, chapter 7.)
+
+R is what contacts do in a run, the kernel `settle`.  R and g are differentiated by extrapolated differences.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lagc.base.records import dataclass
+from lagc.codegen.python.support.contacts import CLOSES, RESTS, STRIKES
+from lagc.mechanics.formulation.contacts import MODE_STICKS
+from lagc.simulation.linearization.derivatives import Array
+from lagc.simulation.sensitivity.differences import extrapolated, size_of
+from lagc.simulation.sensitivity.saltation import LOCATED, Stopped, common_shift
+from lagc.simulation.sensitivity.sensitivities import Direction
+from lagc.simulation.system import FAILED, OK, Options
+
+if TYPE_CHECKING:
+    from lagc.simulation.backends.python import NumpySystem
+
+FARTHEST = (1e-2, 1e-3, 1e-4, 1e-6)  # of the sizes of states and parameter: displacements that are tried
+NEAR = 1e-6  # of the size of a state: the displacement that shows the terms of an indicator
+SURE = 1e-9  # of the terms of a change: its error after which no shorter displacements are tried
+EDGE = "the smallest change decides what contacts do"
+TOUCHES, RELEASES, STOPS, GIVES_WAY = "touches", "is released", "stops slipping", "slips"
+
+
+@dataclass(frozen=True)
+class ContactEvent:
+    """What contacts did at the time t, by their indices; the whole states before and after it, and the time
+    since the event before."""
+
+    t: float
+    before: Sequence[float]
+    after: Sequence[float]
+    acts: Mapping[int, int]
+    since: float
+
+
+class ContactChanges:
+    """The changes of S at events of contacts. `system` is that with contacts, `directions` are those of its
+    parameters, and `sizes` the magnitudes of its states in the run."""
+
+    def __init__(self, system: NumpySystem, directions: Sequence[Direction], sizes: Array):
+        self.system, self.directions, self.sizes = system, directions, sizes
+        self.module, self.n = system.model.module, len(sizes)
+
+    def beyond(self, event: ContactEvent, now: Array) -> tuple[Array, Array, Array]:
+        """Return S after an event, the magnitudes of its terms and its error. `now` is S before it. Raises
+        Stopped if there is no derivative."""
+        one, two = (self._rates(event.t, x) for x in (event.before, event.after))
+        shift = self._shift(event, now, one)
+        moved, doubts = now + np.outer(one, shift), np.zeros_like(now)
+        terms = np.abs(now) + np.abs(np.outer(one, shift)) + np.abs(np.outer(two, shift))
+        if {STRIKES, RESTS} & {*event.acts.values()}:
+            for k in range(len(shift)):
+                settled = self._settled_by(event)
+                moved[:, k], doubts[:, k] = self._slope(event, k, moved[:, k], shift[k], settled)
+        return moved - np.outer(two, shift), terms, doubts
+
+    def _rates(self, t: float, x: Sequence[float]) -> Array:
+        rates = [0.0] * self.system.nx
+        if self.system.rhs(t, x, rates, [0.0] * self.system.nc) in FAILED:
+            raise Stopped("the motion is not determined")
+        return np.array(rates[: self.n])
+
+    def _shift(self, event: ContactEvent, now: Array, rates: Array) -> Array:
+        """The change of the time of an event by directions."""
+        watched = self._watched(event)
+        places = [place for _, place, _ in watched]
+
+        def values(equations: Any, t: float, x: list[float]) -> Array:
+            return self._indicators(equations, t, x, event)[places]
+
+        here = values(self.system.equations(), event.t, list(event.before))
+        speed, _ = self._slope(event, None, rates, 1.0, values)
+        # Only those at zero are causes; others follow them, as one that an impact opens.
+        causes = [
+            j for j, (*_, sure) in enumerate(watched)
+            if sure or abs(here[j]) <= LOCATED * event.since * abs(speed[j])
+        ]  # fmt: skip
+        slopes = [self._slope(event, k, now[:, k], 0.0, values)[0] for k in range(now.shape[1])]
+        by_x = np.array([self._near(event, i, values) for i in range(self.n)]).T
+        terms, sizes = np.abs(by_x) @ np.abs(rates), np.abs(by_x) @ np.abs(now)
+        moved = np.array(slopes).T
+        names = [name for name, *_ in watched]
+        return common_shift([
+            (names[j], float(speed[j]), float(terms[j]), moved[j], sizes[j] + np.abs(moved[j])) for j in causes
+        ])  # fmt: skip
+
+    def _watched(self, event: ContactEvent) -> list[tuple[str, int, bool]]:
+        """What the contacts that acted could have done by themselves: its name, the relation of its
+        indicator, and whether it is known that they did."""
+        module, contacts, found = self.module, self.system.interface.contacts, list[tuple[str, int, bool]]()
+        first = module["NMODE"] - module["NCON"]
+        for i, act in event.acts.items():
+            mode, name = event.before[len(event.before) - len(contacts) + i], contacts[i].name
+            hits = mode == 0.0 and act in (STRIKES, RESTS, CLOSES)
+            found.append((f"{name} {TOUCHES if mode == 0.0 else RELEASES}", first + i, hits))
+            if mode and contacts[i].slips:
+                said = GIVES_WAY if mode == MODE_STICKS else STOPS
+                found.append((f"{name} {said}", module["slip_relation"](i), False))
+        return found
+
+    def _indicators(self, equations: Any, t: float, x: list[float], event: ContactEvent) -> Array:
+        """The indicators of all relations at (t, x), with contacts in their modes before the event."""
+        work = equations.work
+        work.modes[:] = self.system.modes(event.t, event.before)
+        work.modes_fixed = True
+        self.module["fn_indicators_on"](equations.p, t, x, work.modes, work.events.indicators)
+        self.module["indicate_forces"](equations.p, t, x, work)
+        return np.array(work.events.indicators)
+
+    def _settled_by(self, event: ContactEvent) -> Callable[[Any, float, list[float]], Array]:
+        """The map of an impact."""
+        first = self.system.nx - len(self.system.interface.contacts)
+
+        def settled(equations: Any, t: float, x: list[float]) -> Array:
+            # The displaced state is put on what holds before; this changes it by the square of its
+            # displacement.
+            module, work = self.module, equations.work
+            module["seated"](equations.p, t, x, work)
+            s = module["Integrator"](equations, Options(), t, x)
+            module["enlarge_sizes"](x, s.sizes)
+            module["widen_ranges"](x, s.lowest, s.highest)
+            work.modes[:] = self.system.modes(event.t, event.before)
+            work.settling.go_on, work.settling.has_acted = True, False
+            # Who is hit, and who rests, are those of the event.
+            for i, act in event.acts.items():
+                work.settling.hit[i] = int(event.before[first + i] == 0.0)
+                s.touch_times[i], s.fall_heights[i] = t, np.inf if act == RESTS else 0.0
+            status = module["settle"](equations.p, s, False, work)
+            if status != OK or list(s.x[first:]) != list(event.after[first:]):
+                raise ArithmeticError(EDGE)
+            return np.array(s.x[: self.n])
+
+        return settled
+
+    def _slope(
+        self, event: ContactEvent, k: int | None, change: Array, shift: float,
+        values: Callable[[Any, float, list[float]], Array],
+    ) -> tuple[Array, Array]:  # fmt: skip
+        """The derivative of `values` before an event, and its error, if the state changes by `change`, time
+        by `shift` and the parameter of direction k, if there is one, by 1."""
+        place = None if k is None else self.directions[k].parameter
+        parameters, before = list(self.system.parameters), np.array(event.before)
+        # The displacement that moves no state and parameter by more than its size.
+        reach = float(np.max(np.abs(change) / self.sizes, initial=0.0))
+        if place is not None:
+            reach = max(reach, 1.0 / size_of(self.system, self.directions[k or 0]))
+        unit = 1.0 / reach if reach > 0.0 else 1.0
+
+        def there(offset: float) -> Array:
+            own, x = parameters[:], before.copy()
+            if place is not None:
+                own[place] += offset * unit
+            x[: self.n] += offset * unit * change
+            found = values(self.system.model.bind(own).equations(), event.t + offset * unit * shift, x.tolist())
+            return found / unit
+
+        best: tuple[Array, Array] | None = None
+        for farthest in FARTHEST:
+            try:
+                found, doubt = extrapolated(there, farthest)
+            except ArithmeticError:
+                continue
+            if best is None or doubt.max(initial=0.0) < best[1].max(initial=0.0):
+                best = found, doubt
+            if (best[1] <= SURE * np.abs(best[0]).max(initial=0.0)).all():
+                break
+        if best is None:
+            raise Stopped(EDGE, [] if k is None else [k])
+        return best
+
+    def _near(self, event: ContactEvent, i: int, values: Callable[[Any, float, list[float]], Array]) -> Array:
+        """The derivative of `values` by a state, to a few digits."""
+        found, step = list[Array](), NEAR * float(self.sizes[i])
+        for side in (step, -step):
+            x = list(event.before)
+            x[i] += side
+            found.append(values(self.system.equations(), event.t, x))
+        difference: Array = (found[0] - found[1]) / (2.0 * step)
+        return difference
