@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from lagc.semantics.model import Model
 
 DERIVED = ("derivatives", "sensitivities")
-UNLOADED = (*SERIES, "sensitivities")  # these do not follow loads of reactions either
 
 
 def refuse_contacts(model: Model, variant: str) -> None:
@@ -25,7 +24,7 @@ def refuse_contacts(model: Model, variant: str) -> None:
         contact = model.contacts[0]
         message = f"{asked[variant]} do not follow {contact.title} yet"
         other = "compare runs with values that differ a little" if variant in DERIVED else "take dop853"
-        if not contact.normals or variant not in UNLOADED:
+        if not contact.normals or variant not in SERIES:
             other += f", or {contact.otherwise}"
         raise Refused([Fault("LAG0623", message, contact.span, remedy=other)])
 

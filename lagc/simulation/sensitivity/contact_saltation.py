@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from lagc.simulation.backends.python import NumpySystem
 
 FARTHEST = (1e-2, 1e-3, 1e-4, 1e-6)  # of the sizes of states and parameter: displacements that are tried
+DIFFERENCES = 5
 NEAR = 1e-6  # of the size of a state: the displacement that shows the terms of an indicator
 SURE = 1e-9  # of the terms of a change: its error after which no shorter displacements are tried
 EDGE = "the smallest change decides what contacts do"
@@ -171,7 +172,7 @@ class ContactChanges:
         best: tuple[Array, Array] | None = None
         for farthest in FARTHEST:
             try:
-                found, doubt = extrapolated(there, farthest)
+                found, doubt = extrapolated(there, farthest, DIFFERENCES)
             except ArithmeticError:
                 continue
             if best is None or doubt.max(initial=0.0) < best[1].max(initial=0.0):

@@ -13,17 +13,17 @@ if TYPE_CHECKING:
     from lagc.simulation.sensitivity.sensitivities import Direction
     from lagc.simulation.system import System
 
-SHRINKING, DIFFERENCES = 1.4, 10
+SHRINKING = 1.4
 
 
-def extrapolated(values: Callable[[float], Array], longest: float) -> tuple[Array, Array]:
-    """The derivative of `values` at 0 and its error, by central differences extrapolated to step 0 (C. J.
-    F. Ridders, Adv. Eng. Software 4, 1982, p. 75)."""
+def extrapolated(values: Callable[[float], Array], longest: float, count: int) -> tuple[Array, Array]:
+    """The derivative of `values` at 0 and its error, by `count` central differences extrapolated to step 0
+    (C. J. F. Ridders, Adv. Eng. Software 4, 1982, p. 75)."""
     found: Array | float = inf
     doubt: Array | float = inf
     before: list[Array] = []
     step = longest
-    for _ in range(DIFFERENCES):
+    for _ in range(count):
         row = [(values(step) - values(-step)) / (2.0 * step)]
         for j, last in enumerate(before):
             factor = SHRINKING ** (2 * j + 2)

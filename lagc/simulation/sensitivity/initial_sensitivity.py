@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 NEARBY = 1e-4  # of the size of the value: the offset of a nearby search
 LONGEST = (1e-2, 1e-3, 1e-4)  # the same for differences of searches
+DIFFERENCES = 10
 SMOOTH = 0.1  # of the predicted change: a larger deviation means that the search jumps
 MET = 1e-6  # of the terms of an equation; of the differences of a smooth search
 
@@ -149,7 +150,7 @@ class _Consistent:
 
         for longest in LONGEST:
             try:
-                found, doubt = extrapolated(values, longest)
+                found, doubt = extrapolated(values, longest, DIFFERENCES)
             except ArithmeticError:
                 if longest == LONGEST[-1]:
                     raise

@@ -50,15 +50,14 @@ def directions(
 ) -> tuple[Direction, ...]:
     """The directions named `l`, `start(theta)` or `start(der(theta))`, each once; all entries of an array.
     Raises Refused: LAG0601, LAG0606 for an unknown name, LAG0607 for a parameter that is part of the code."""
-    # Not differentiated are friction of two-sided contacts, loads of reactions, discrete variables.
+    # Not differentiated are friction of two-sided contacts, actuators of constraints, discrete variables.
     rough = [contact.name for contact in interface.contacts if contact.normals]
     if rough:
         message = f"sensitivities do not follow the friction of `{rough[0]}` yet"
         raise Refused([Fault("LAG0623", message, remedy="compare runs with values that differ a little")])
-    if interface.loading_rows or interface.pushed_contacts:
-        labels = [interface.row_labels[k] for k in interface.loading_rows]
-        label = [*labels, *(interface.contacts[k].name for k in interface.pushed_contacts)][0]
-        message = f"sensitivities do not follow loads that depend on `reaction({label})` yet"
+    held = [k for k, by in zip(interface.loading_rows, interface.held_rows) if by]
+    if held:
+        message = f"sensitivities do not follow the actuator that holds `{interface.row_labels[held[0]]}` yet"
         raise Refused([Fault("LAG0623", message, remedy="compare runs with values that differ a little")])
     if len(interface.discretes) > len(interface.contacts):
         message = (
