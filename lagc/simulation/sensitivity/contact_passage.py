@@ -7,12 +7,16 @@ that touch are equations, from the state after the one to the time of the other.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from math import sqrt
 
 import numpy as np
 
+from lagc.base.records import replace
+from lagc.base.text import FINEST
+from lagc.codegen.python.support.contacts import SLIPS, STICKS
 from lagc.diagnostics.faults import Refused
 from lagc.simulation.error_measure import contacts_of
-from lagc.simulation.linearization.derivatives import Array
+from lagc.simulation.linearization.derivatives import Array, Point
 from lagc.simulation.sensitivity.contact_saltation import ContactChanges, ContactEvent
 from lagc.simulation.sensitivity.saltation import Stopped
 from lagc.simulation.sensitivity.sensitivities import Mode
@@ -24,6 +28,9 @@ from lagc.simulation.sensitivity.variational_equations import (
     Variation,
 )
 from lagc.simulation.system import INTERRUPTED, OK, TERMINATED, Options, Trajectory, event_names
+
+ENDS = 0.1  # times the root of the tolerance, of the time of a run: before a stop in space
+NEAR = 1e-3  # of the time since the last event: at most
 
 ModeOf = Callable[[Sequence[float]], Mode]
 
@@ -46,24 +53,25 @@ class Passage:
         asked = Options(**{**vars(self.options), "report": True})
         run = self.whole.followed.integrate(asked, times[0], x0, times, progress)
         s, shape = self.groups.begun(self.start), (len(times), *self.start.shape)
-        found = Followed(np.full(shape, np.nan), s.sizes, s.sizes, np.zeros(len(times), dtype=int), 1)
-        found.values[0] = self.start
+        found = Followed(np.full(shape, np.nan), s.sizes, s.sizes, np.zeros(len(times), dtype=int), 0)
         t, x = times[0], x0
         try:
             if run.status == INTERRUPTED:
                 raise KeyboardInterrupt
             for event in self._events(run, times[0]):
-                s = self._between(t, x, event.t, s, times, progress, found)
+                before = self._beside(event, STICKS, ENDS * sqrt(self._tolerance), times)
+                s, near = self._between(t, x, event.t - before, s, times, progress, found)
                 if found.message:
                     break
+                if before > 0.0:
+                    s = self._further(event.t - before, x, near, s, before)
                 t, x = event.t, event.after
-                s = self._across(event, s, run, found)
-                for k in range(found.reached, len(times)):  # recorded is what is behind an event
-                    if times[k] > t:
-                        break
-                    found.values[k], found.reached = s.now.T, k + 1
+                after = self._beside(event, SLIPS, self._tolerance, times)
+                begun = self.whole.followed.integrate(self.options, t, x, [t + after]).x if after else x
+                s = self._across(replace(event, near=near, begun=begun), s, run, found)
+                t, x = t + after, begun
             if not found.message:
-                s = self._between(t, x, None, s, times, progress, found)
+                s, _ = self._between(t, x, None, s, times, progress, found)
                 if run.status not in (OK, TERMINATED):
                     raise Stopped("the repeated motion fails there")
         except Stopped as reason:
@@ -76,12 +84,18 @@ class Passage:
     def _between(
         self, t: float, x: Sequence[float], end: float | None, s: Tangents, times: Sequence[float],
         progress: Progress | None, found: Followed,
-    ) -> Tangents:  # fmt: skip
-        """Return S at the time `end` of the next event, or at the last one, and record it before."""
+    ) -> tuple[Tangents, Sequence[float]]:  # fmt: skip
+        """Return S and the state at the time `end`, or at the last one, and record S up to there."""
+        # A state that is recorded at the time of an event is the one behind it.
+        if end is not None and end <= t:
+            return s, x
+        while found.reached < len(times) and times[found.reached] <= t:
+            found.values[found.reached] = s.now.T
+            found.reached += 1
         inside = [k for k in range(found.reached, len(times)) if end is None or times[k] < end]
         grid = [t, *(times[k] for k in inside), *([] if end is None else [end])]
-        if grid[-1] <= t:
-            return s
+        if grid[-1] == t:
+            return s, x
         try:
             mode = self.mode_of(x)
         except Refused as refused:
@@ -97,36 +111,56 @@ class Passage:
         found.reached = first + reached
         found.steps, found.rejected = found.steps + done.steps, found.rejected + done.rejected
         found.message, found.lost, found.interrupted = done.message, done.lost, done.interrupted
-        return along.end
+        return along.end, along.last
+
+    @property
+    def _tolerance(self) -> float:
+        return max(self.options.rtol, FINEST)
+
+    def _beside(self, event: ContactEvent, act: int, share: float, times: Sequence[float]) -> float:
+        """The time beside an event at which a slip in space begins or ends, a share of that of the run, within
+        which its direction u/|u| is not known well."""
+        contacts = self.whole.system.interface.contacts
+        if not any(own == act and contacts[i].slips == 2 for i, own in event.acts.items()):
+            return 0.0
+        return min(share * (times[-1] - times[0]), NEAR * event.since)
+
+    def _further(
+        self, t: float, x: Sequence[float], near: Sequence[float], s: Tangents, time: float
+    ) -> Tangents:
+        """S after a further time, to first order, in the modes of x."""
+        mode = self.mode_of(x)
+        point, own = Point(mode.system, t, near), [mode.directions[k].parameter for k in self.kept]
+        by_p = [k for k, place in enumerate(own) if place is not None]
+        rates = point.total("rate", "state") @ s.now.T
+        rates[:, by_p] += point.total("rate", "parameter")[:, [own[k] for k in by_p]]
+        return s._replace(now=s.now + time * rates.T)
 
     def _across(self, event: ContactEvent, s: Tangents, run: Trajectory, found: Followed) -> Tangents:
         """Return S after an event."""
-        system, names = self.whole.system, [c.name for c in self.whole.system.interface.contacts]
-        n = len(self.start)
-        for t, k in run.events:
-            clause = k - len(system.interface.relations)
-            if t == event.t and (clause < 0 or system.interface.whens[clause].states):
-                other = event_names(system, k)[0]
-                raise Stopped(f"`{names[min(event.acts)]}` and `{other}` happen at one time")
+        system, n = self.whole.system, len(self.start)
         sizes = np.array([run.sizes[kind] for kind in system.interface.kinds])
         own = [self.whole.directions[k] for k in self.kept]
         changes = ContactChanges(system, own, np.where(sizes > 0.0, sizes, 1.0)[:n])
-        changed, terms, doubts = changes.beyond(event, s.now.T)
+        changed, terms, doubts, noise = changes.beyond(event, s.now.T)
         found.passed[found.reached :] += 1
-        return self.groups.changed(s, changed + doubts if self.displaced else changed, terms)
+        return self.groups.changed(s, changed + doubts if self.displaced else changed, terms, noise)
 
     def _events(self, run: Trajectory, begin: float) -> Iterator[ContactEvent]:
-        """The events of contacts of a run."""
+        """The events of contacts of a run. Raises Stopped where something else happens at the same time."""
+        interface = self.whole.system.interface
         acts: dict[float, dict[int, int]] = {}
         for t, contact, kind, *_ in contacts_of(run):
             acts.setdefault(t, {})[contact] = kind
         last = begin
         for t, own in acts.items():
             states = [x for time, *both in run.corners if time == t for x in both]
-            name = self.whole.system.interface.contacts[min(own)].name
-            if t == begin:
-                raise Stopped(f"`{name}` acts at the start")
+            name = interface.contacts[min(own)].name
             if not states:
-                raise Stopped(f"no more events are followed: `{name}`")
+                raise Stopped(f"events of contacts from here on are not stored: `{name}`")
+            for time, k in run.events:
+                clause = k - len(interface.relations)
+                if time == t and (clause < 0 or interface.whens[clause].states):
+                    raise Stopped(f"`{name}` and `{event_names(self.whole.system, k)[0]}` act at one time")
             yield ContactEvent(t, states[0], states[-1], own, t - last)
             last = t

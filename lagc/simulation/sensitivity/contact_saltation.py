@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 FARTHEST = (1e-2, 1e-3, 1e-4, 1e-6)  # of the sizes of states and parameter: displacements that are tried
 DIFFERENCES = 5
 NEAR = 1e-6  # of the size of a state: the displacement that shows the terms of an indicator
+ROUNDED = 1e-13  # of the size of a state: round-off of the map of an impact, over its displacement
 SURE = 1e-9  # of the terms of a change: its error after which no shorter displacements are tried
 EDGE = "the smallest change decides what contacts do"
 TOUCHES, RELEASES, STOPS, GIVES_WAY = "touches", "is released", "stops slipping", "slips"
@@ -39,13 +40,16 @@ TOUCHES, RELEASES, STOPS, GIVES_WAY = "touches", "is released", "stops slipping"
 @dataclass(frozen=True)
 class ContactEvent:
     """What contacts did at the time t, by their indices; the whole states before and after it, and the time
-    since the event before."""
+    since the event before. `near` and `begun` are states shortly before and after: a slip in space that ends
+    or begins has the directions there."""
 
     t: float
     before: Sequence[float]
     after: Sequence[float]
     acts: Mapping[int, int]
     since: float
+    near: Sequence[float] = ()
+    begun: Sequence[float] = ()
 
 
 class ContactChanges:
@@ -56,24 +60,44 @@ class ContactChanges:
         self.system, self.directions, self.sizes = system, directions, sizes
         self.module, self.n = system.model.module, len(sizes)
 
-    def beyond(self, event: ContactEvent, now: Array) -> tuple[Array, Array, Array]:
-        """Return S after an event, the magnitudes of its terms and its error. `now` is S before it. Raises
-        Stopped if there is no derivative."""
-        one, two = (self._rates(event.t, x) for x in (event.before, event.after))
+    def beyond(self, event: ContactEvent, now: Array) -> tuple[Array, Array, Array, Array]:
+        """Return S after an event, the magnitudes of its terms, its error and its round-off. `now` is S before
+        it. Raises Stopped if there is no derivative."""
+        one = self._rates(event.t, event.before, event.near)
+        two = self._rates(event.t, event.after, event.begun)
         shift = self._shift(event, now, one)
-        moved, doubts = now + np.outer(one, shift), np.zeros_like(now)
+        moved, doubts, noise = now + np.outer(one, shift), np.zeros_like(now), np.zeros_like(now)
         terms = np.abs(now) + np.abs(np.outer(one, shift)) + np.abs(np.outer(two, shift))
         if {STRIKES, RESTS} & {*event.acts.values()}:
             for k in range(len(shift)):
                 settled = self._settled_by(event)
+                noise[:, k] = ROUNDED * self.sizes / self._unit(k, moved[:, k])
                 moved[:, k], doubts[:, k] = self._slope(event, k, moved[:, k], shift[k], settled)
-        return moved - np.outer(two, shift), terms, doubts
+        return moved - np.outer(two, shift), terms, doubts, noise
 
-    def _rates(self, t: float, x: Sequence[float]) -> Array:
-        rates = [0.0] * self.system.nx
-        if self.system.rhs(t, x, rates, [0.0] * self.system.nc) in FAILED:
+    def _rates(self, t: float, x: Sequence[float], beside: Sequence[float]) -> Array:
+        equations, rates = self._placed(self.system.equations(), t, x, beside), [0.0] * self.system.nx
+        lam = [0.0] * self.system.nc
+        if self.module["rates_at"](equations.p, t, list(x), rates, lam, equations.work) in FAILED:
             raise Stopped("the motion is not determined")
         return np.array(rates[: self.n])
+
+    def _placed(self, equations: Any, t: float, x: Sequence[float], beside: Sequence[float]) -> Any:
+        """Set the modes of relations and the directions of slips in space to those of the states (t, x) and
+        `beside`."""
+        work, contacts = equations.work, self.system.interface.contacts
+        work.modes[:], work.modes_fixed = self.system.modes(t, x), True
+        if any(contact.slips == 2 for contact in contacts):
+            whole = [*beside, *x[len(beside) :]]
+            indicators = self.system.indicators(t, whole)
+            for i, contact in enumerate(contacts):
+                if contact.slips == 2:
+                    first = self.module["slip_relation"](i)
+                    slip = np.array(indicators[first : first + 2])
+                    axis = slip / (float(np.hypot(*slip)) or 1.0)
+                    work.contacts.slip_axes[2 * i : 2 * i + 2] = axis.tolist()
+                    work.contacts.slip_roundoff[i] = np.inf
+        return equations
 
     def _shift(self, event: ContactEvent, now: Array, rates: Array) -> Array:
         """The change of the time of an event by directions."""
@@ -115,9 +139,7 @@ class ContactChanges:
 
     def _indicators(self, equations: Any, t: float, x: list[float], event: ContactEvent) -> Array:
         """The indicators of all relations at (t, x), with contacts in their modes before the event."""
-        work = equations.work
-        work.modes[:] = self.system.modes(event.t, event.before)
-        work.modes_fixed = True
+        work = self._placed(equations, event.t, event.before, event.near).work
         self.module["fn_indicators_on"](equations.p, t, x, work.modes, work.events.indicators)
         self.module["indicate_forces"](equations.p, t, x, work)
         return np.array(work.events.indicators)
@@ -155,11 +177,7 @@ class ContactChanges:
         by `shift` and the parameter of direction k, if there is one, by 1."""
         place = None if k is None else self.directions[k].parameter
         parameters, before = list(self.system.parameters), np.array(event.before)
-        # The displacement that moves no state and parameter by more than its size.
-        reach = float(np.max(np.abs(change) / self.sizes, initial=0.0))
-        if place is not None:
-            reach = max(reach, 1.0 / size_of(self.system, self.directions[k or 0]))
-        unit = 1.0 / reach if reach > 0.0 else 1.0
+        unit = self._unit(k, change)
 
         def there(offset: float) -> Array:
             own, x = parameters[:], before.copy()
@@ -182,6 +200,14 @@ class ContactChanges:
         if best is None:
             raise Stopped(EDGE, [] if k is None else [k])
         return best
+
+    def _unit(self, k: int | None, change: Array) -> float:
+        """The displacement that moves no state, and not the parameter of direction k, by more than its
+        size."""
+        reach = float(np.max(np.abs(change) / self.sizes, initial=0.0))
+        if k is not None and self.directions[k].parameter is not None:
+            reach = max(reach, 1.0 / size_of(self.system, self.directions[k]))
+        return 1.0 / reach if reach > 0.0 else 1.0
 
     def _near(self, event: ContactEvent, i: int, values: Callable[[Any, float, list[float]], Array]) -> Array:
         """The derivative of `values` by a state, to a few digits."""

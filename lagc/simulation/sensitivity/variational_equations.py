@@ -52,11 +52,12 @@ class Groups:
         sizes = self.largest(start.T)
         return Tangents(start.T, sizes, np.zeros((2 * len(sizes), sizes.shape[1])))
 
-    def changed(self, s: Tangents, now: Array, terms: Array) -> Tangents:
-        """S after an event, whose terms have these magnitudes, by states and directions."""
-        largest = self.largest(terms.T)
+    def changed(self, s: Tangents, now: Array, terms: Array, noise: Array | float = 0.0) -> Tangents:
+        """S after an event, whose terms have these magnitudes, and further round-off, by states and
+        directions."""
+        largest, own = self.largest(terms.T), self.largest(np.broadcast_to(noise, terms.shape).T)
         m = len(largest)
-        more = np.vstack([s.rounding[:m] + FAINT * largest, np.maximum(s.rounding[m:], largest)])
+        more = np.vstack([s.rounding[:m] + FAINT * largest + own, np.maximum(s.rounding[m:], largest)])
         return Tangents(now.T, np.maximum(s.sizes, largest), more)
 
     def largest(self, values: Array) -> Array:
@@ -130,7 +131,7 @@ class Variation:
         except KeyboardInterrupt:
             found.message, found.interrupted = f"interrupted at t = {s.s.t:.6g} s", True
         *own, values = s.arrays()
-        self.end = Tangents(*[array.copy() for array in own])
+        self.end, self.last = Tangents(*[array.copy() for array in own]), list(s.s.x[:n])
         found.values = values.transpose(0, 2, 1)
         found.end(self.groups, self.end)
         found.reached = max(found.reached, s.reached)

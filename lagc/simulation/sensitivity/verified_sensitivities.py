@@ -43,7 +43,8 @@ def sensitivities(
     """Add sensitivities to `run`, the result of the complete `request`, by the code for its states. `whole`
     is that of the model with contacts, if it has any. If they fail or miss the accuracy, the run fails, and
     its message says why."""
-    began, mode = perf_counter(), mode_of(run.states[0])
+    began, x0 = perf_counter(), _begun(run)
+    mode = mode_of(x0)
     system, directions = mode.system, mode.directions
     shape = (len(run.times), system.nq + system.nv, len(directions))
     values, doubts = np.full(shape, np.nan), np.zeros(shape[1:])
@@ -55,7 +56,7 @@ def sensitivities(
             if run.interrupted or not run.times:
                 raise ArithmeticError("the motion was interrupted")
             start, doubts, reasons = start_slopes(
-                system, run.states[0], request.starts, directions, request.guesses
+                system, x0, request.starts, directions, request.guesses
             )
             # Directions that end early are given up, with their reasons; the others go on.
             kept = [k for k in range(len(directions)) if k not in reasons]
@@ -79,6 +80,18 @@ def sensitivities(
         run.interrupted = run.interrupted or found.interrupted
 
 
+def _begun(run: Solution) -> list[float]:
+    """The initial state, before an impact there, with the contacts that it hits open."""
+    t, *states = run.corners[0] if run.corners else (None, run.states[0])
+    if t != run.times[0]:
+        return list(run.states[0])
+    x, names = list(states[0]), [contact.name for contact in run.system.interface.contacts]
+    for event in run.events:
+        if event.t == t and event.kind == "impact":
+            x[len(x) - len(names) + names.index(event.contact)] = 0.0
+    return x
+
+
 def _verified(
     found: Sensitivities,
     whole: Mode | None,
@@ -90,8 +103,9 @@ def _verified(
 ) -> list[int]:
     """Fill `found` in the directions `kept` and return those that end early; every second run starts
     displaced."""
-    n, directions, mode = len(start[0]), [found.directions[k] for k in kept], found.mode_of(run.states[0])
-    kinds, x0 = mode.system.interface.kinds, run.states[0]
+    n, directions, x0 = len(start[0]), [found.directions[k] for k in kept], _begun(run)
+    mode = found.mode_of(x0)
+    kinds = mode.system.interface.kinds
     rests = len(run.times) > 1 and all(x[:n] == x0[:n] for x in run.states)
 
     def follow(options: Options) -> Followed:
