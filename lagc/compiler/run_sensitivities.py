@@ -36,8 +36,8 @@ def add_sensitivities(
     own = loaded.artifact
     complete, wanted = request.completed(own.interface.simulate), directions_of(loaded, request.sensitivity)
     if not own.interface.contacts:
-        system = loaded.differentiated.model.bind(parameters)
-        mode = Mode(system, loaded.sensitive(run.system.backend).bind(parameters), wanted)
+        followed = loaded.sensitive(run.system.backend).bind(parameters)
+        mode = Mode(loaded.differentiated.model.bind(parameters), followed, wanted)
         sensitivities(lambda x: mode, None, run, complete, progress)
         return
     # With contacts each of their modes is a model of its own, with what touches as constraints and loads.

@@ -8,12 +8,7 @@ Derivatives, SIAM 2008).
 from math import fabs, inf
 
 from lagc.kernels.constraints.projection import assemble_at, solve_at
-from lagc.kernels.dynamics.loaded_reactions import (
-    follow_loads,
-    keep_load_matrix,
-    motion_at,
-    update_load,
-)
+from lagc.kernels.dynamics.loaded_reactions import follow_loads, keep_load_matrix, motion_at, update_load
 from lagc.kernels.dynamics.rhs import assemble_entries, factor_safely, rhs_at
 from lagc.kernels.language.vocabulary import *
 from lagc.kernels.linear_algebra.cholesky import solve_lower, solve_upper

@@ -20,13 +20,7 @@ from lagc.simulation.linearization.derivatives import Array, Point
 from lagc.simulation.sensitivity.contact_saltation import ContactChanges, ContactEvent
 from lagc.simulation.sensitivity.saltation import Stopped
 from lagc.simulation.sensitivity.sensitivities import Mode
-from lagc.simulation.sensitivity.variational_equations import (
-    Followed,
-    Groups,
-    Progress,
-    Tangents,
-    Variation,
-)
+from lagc.simulation.sensitivity.variational_equations import Followed, Groups, Progress, Tangents, Variation
 from lagc.simulation.system import INTERRUPTED, OK, TERMINATED, Options, Trajectory, event_names
 
 ENDS = 0.1  # times the root of the tolerance, of the time of a run: before a stop in space
@@ -97,11 +91,11 @@ class Passage:
         if grid[-1] == t:
             return s, x
         try:
-            mode = self.mode_of(x)
+            mode = self.mode_of(x).of(self.kept)
         except Refused as refused:
             raise Stopped(refused.faults[0].message) from None
-        own, most = [mode.directions[k] for k in self.kept], self.most - found.steps - found.rejected
-        along = Variation(mode.system, mode.followed, own, s.now.T, self.options, False, most)
+        most = self.most - found.steps - found.rejected
+        along = Variation(mode, s.now.T, self.options, False, most)
         done = along.integrate(x, grid, progress, s)
         # Later records have at least the events so far behind them.
         reached, first = min(done.reached - 1, len(inside)), found.reached
@@ -118,8 +112,8 @@ class Passage:
         return max(self.options.rtol, FINEST)
 
     def _beside(self, event: ContactEvent, act: int, share: float, times: Sequence[float]) -> float:
-        """The time beside an event at which a slip in space begins or ends, a share of that of the run, within
-        which its direction u/|u| is not known well."""
+        """The time beside an event at which a slip in space begins or ends, a share of that of the run: there
+        its direction u/|u| is not known well."""
         contacts = self.whole.system.interface.contacts
         if not any(own == act and contacts[i].slips == 2 for i, own in event.acts.items()):
             return 0.0
@@ -129,19 +123,17 @@ class Passage:
         self, t: float, x: Sequence[float], near: Sequence[float], s: Tangents, time: float
     ) -> Tangents:
         """S after a further time, to first order, in the modes of x."""
-        mode = self.mode_of(x)
-        point, own = Point(mode.system, t, near), [mode.directions[k].parameter for k in self.kept]
-        by_p = [k for k, place in enumerate(own) if place is not None]
+        mode = self.mode_of(x).of(self.kept)
+        point, (columns, places) = Point(mode.system, t, near), mode.parameters
         rates = point.total("rate", "state") @ s.now.T
-        rates[:, by_p] += point.total("rate", "parameter")[:, [own[k] for k in by_p]]
+        rates[:, columns] += point.total("rate", "parameter")[:, places]
         return s._replace(now=s.now + time * rates.T)
 
     def _across(self, event: ContactEvent, s: Tangents, run: Trajectory, found: Followed) -> Tangents:
         """Return S after an event."""
         system, n = self.whole.system, len(self.start)
         sizes = np.array([run.sizes[kind] for kind in system.interface.kinds])
-        own = [self.whole.directions[k] for k in self.kept]
-        changes = ContactChanges(system, own, np.where(sizes > 0.0, sizes, 1.0)[:n])
+        changes = ContactChanges(self.whole.of(self.kept), np.where(sizes > 0.0, sizes, 1.0)[:n])
         changed, terms, doubts, noise = changes.beyond(event, s.now.T)
         found.passed[found.reached :] += 1
         return self.groups.changed(s, changed + doubts if self.displaced else changed, terms, noise)

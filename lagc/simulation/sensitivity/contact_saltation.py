@@ -12,7 +12,7 @@ R is what contacts do in a run, the kernel `settle`.  R and g are differentiated
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -22,11 +22,8 @@ from lagc.mechanics.formulation.contacts import MODE_STICKS
 from lagc.simulation.linearization.derivatives import Array
 from lagc.simulation.sensitivity.differences import extrapolated, size_of
 from lagc.simulation.sensitivity.saltation import LOCATED, Stopped, common_shift
-from lagc.simulation.sensitivity.sensitivities import Direction
+from lagc.simulation.sensitivity.sensitivities import CLEAR, Mode
 from lagc.simulation.system import FAILED, OK, Options
-
-if TYPE_CHECKING:
-    from lagc.simulation.backends.python import NumpySystem
 
 FARTHEST = (1e-2, 1e-3, 1e-4, 1e-6)  # of the sizes of states and parameter: displacements that are tried
 DIFFERENCES = 5
@@ -53,27 +50,33 @@ class ContactEvent:
 
 
 class ContactChanges:
-    """The changes of S at events of contacts. `system` is that with contacts, `directions` are those of its
-    parameters, and `sizes` the magnitudes of its states in the run."""
+    """The changes of S at events of contacts. `whole` is the model with contacts, `sizes` are the magnitudes
+    of its states in the run."""
 
-    def __init__(self, system: NumpySystem, directions: Sequence[Direction], sizes: Array):
-        self.system, self.directions, self.sizes = system, directions, sizes
-        self.module, self.n = system.model.module, len(sizes)
+    def __init__(self, whole: Mode, sizes: Array):
+        self.system, self.directions, self.sizes = whole.system, whole.directions, sizes
+        self.module, self.n = whole.system.model.module, len(sizes)
 
     def beyond(self, event: ContactEvent, now: Array) -> tuple[Array, Array, Array, Array]:
-        """Return S after an event, the magnitudes of its terms, its error and its round-off. `now` is S before
-        it. Raises Stopped if there is no derivative."""
+        """Return S after an event, the magnitudes of its terms, its error and its round-off. `now` is S
+        before it. Raises Stopped if there is no derivative."""
         one = self._rates(event.t, event.before, event.near)
         two = self._rates(event.t, event.after, event.begun)
         shift = self._shift(event, now, one)
-        moved, doubts, noise = now + np.outer(one, shift), np.zeros_like(now), np.zeros_like(now)
+        moved, doubts = now + np.outer(one, shift), np.zeros_like(now)
+        units = [self._unit(k, moved[:, k]) for k in range(len(shift))]
+        noise = ROUNDED * np.outer(self.sizes, 1.0 / np.array(units))
         terms = np.abs(now) + np.abs(np.outer(one, shift)) + np.abs(np.outer(two, shift))
         if {STRIKES, RESTS} & {*event.acts.values()}:
+            settled = self._settled_by(event)
             for k in range(len(shift)):
-                settled = self._settled_by(event)
-                noise[:, k] = ROUNDED * self.sizes / self._unit(k, moved[:, k])
                 moved[:, k], doubts[:, k] = self._slope(event, k, moved[:, k], shift[k], settled)
-        return moved - np.outer(two, shift), terms, doubts, noise
+        found = moved - np.outer(two, shift)
+        # What the motion does not depend on, as a mass, stays without effect.
+        idle = ~now.any(axis=0) & (np.abs(found) <= CLEAR * noise).all(axis=0)
+        for array in (found, terms, doubts, noise):
+            array[:, idle] = 0.0
+        return found, terms, doubts, noise
 
     def _rates(self, t: float, x: Sequence[float], beside: Sequence[float]) -> Array:
         equations, rates = self._placed(self.system.equations(), t, x, beside), [0.0] * self.system.nx
@@ -118,10 +121,9 @@ class ContactChanges:
         by_x = np.array([self._near(event, i, values) for i in range(self.n)]).T
         terms, sizes = np.abs(by_x) @ np.abs(rates), np.abs(by_x) @ np.abs(now)
         moved = np.array(slopes).T
-        names = [name for name, *_ in watched]
-        return common_shift([
-            (names[j], float(speed[j]), float(terms[j]), moved[j], sizes[j] + np.abs(moved[j])) for j in causes
-        ])  # fmt: skip
+        sizes += np.abs(moved)
+        own = [(watched[j][0], float(speed[j]), float(terms[j]), moved[j], sizes[j]) for j in causes]
+        return common_shift(own)
 
     def _watched(self, event: ContactEvent) -> list[tuple[str, int, bool]]:
         """What the contacts that acted could have done by themselves: its name, the relation of its
@@ -184,7 +186,9 @@ class ContactChanges:
             if place is not None:
                 own[place] += offset * unit
             x[: self.n] += offset * unit * change
-            found = values(self.system.model.bind(own).equations(), event.t + offset * unit * shift, x.tolist())
+            found = values(
+                self.system.model.bind(own).equations(), event.t + offset * unit * shift, x.tolist()
+            )
             return found / unit
 
         best: tuple[Array, Array] | None = None

@@ -131,7 +131,9 @@ class Changes:
         moved, sizes = self._moved(point, now)
         own = self._causes(point, by_x @ rates + by_t, causes, step)
         terms = np.abs(by_x) @ np.abs(rates) + np.abs(by_t)
-        found = [(interface.relations[k], by_x[k] @ rates + by_t[k], terms[k], moved[k], sizes[k]) for k in own]
+        found = [
+            (interface.relations[k], by_x[k] @ rates + by_t[k], terms[k], moved[k], sizes[k]) for k in own
+        ]
         return common_shift(found)
 
     def _causes(self, point: Point, rates: Array, causes: Causes, step: float) -> list[int]:

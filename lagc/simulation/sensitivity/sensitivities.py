@@ -44,6 +44,16 @@ class Mode:
     followed: System
     directions: tuple[Direction, ...]
 
+    def of(self, kept: Sequence[int]) -> Mode:
+        """The same with these directions."""
+        return replace(self, directions=tuple([self.directions[k] for k in kept]))
+
+    @property
+    def parameters(self) -> tuple[list[int], list[int]]:
+        """The directions that are parameters, and the indices of these in p."""
+        found = [(k, d.parameter) for k, d in enumerate(self.directions) if d.parameter is not None]
+        return [k for k, _ in found], [place for _, place in found]
+
 
 def directions(
     interface: Interface, names: Sequence[str], unused: Sequence[Field], built_in: Collection[str]
@@ -108,11 +118,12 @@ def _meant(name: str, known: Mapping[str, Direction]) -> list[Direction]:
 class Sensitivities:
     """The sensitivities of a run.
 
-    `mode_of` returns the code for a whole state. `values` is d(q, v)/dtheta at the recorded times, (times, nq + nv, directions), in SI units; NaN without a
-    value.  `estimated` is the largest error over all times, relative to the largest sensitivity of the same
-    scaling group to the same theta; None if unknown.  `doubts`, (nq + nv, directions), is the error of
-    `values` by the estimate or by round-off.  `message` tells why they end early or miss the accuracy.  The
-    cost is that of all integrations."""
+    `mode_of` returns the code for a whole state. `values` is d(q, v)/dtheta at the recorded times, (times, nq
+    + nv, directions), in SI units; NaN without a value.  `estimated` is the largest error over all times,
+    relative to the largest sensitivity of the same scaling group to the same theta; None if unknown.
+    `doubts`, (nq + nv, directions), is the error of `values` by the estimate or by round-off.  `message`
+    tells why they end early or miss the accuracy.  The cost is that of all integrations, with an evaluation
+    of the derivatives for each step."""
 
     mode_of: Callable[[Sequence[float]], Mode]
     directions: tuple[Direction, ...]
@@ -133,8 +144,12 @@ class Sensitivities:
     def __str__(self) -> str:
         by = ", ".join([d.name for d in self.directions])
         known = "not verified" if self.estimated is None else f"estimated {self.estimated:.1e}"
-        return (f"to {by}: {known}; {self.steps} steps ({self.rejected} rejected), "
-                f"{self.steps + self.rejected} derivatives in {self.integrations} integrations, run {self.run_s:.3g} s")  # fmt: skip
+        return (f"to {by}: {known}; {self.steps} steps ({self.rejected} rejected), {self.derivatives} "
+                f"derivatives in {self.integrations} integrations, run {self.run_s:.3g} s")  # fmt: skip
+
+    @property
+    def derivatives(self) -> int:
+        return self.steps + self.rejected
 
     def named(self, quantities: Iterable[str]) -> dict[str, tuple[str, Direction]]:
         """The columns of these quantities, such as `d(theta)/d(l)`, with quantity and direction."""
@@ -186,7 +201,7 @@ class Sensitivities:
             "of": [d.name for d in self.directions],
             "estimated": self.estimated,
             "message": self.message,
-            "cost": {"steps": self.steps, "rejected": self.rejected, "derivatives": self.steps + self.rejected,
+            "cost": {"steps": self.steps, "rejected": self.rejected, "derivatives": self.derivatives,
                      "run_s": self.run_s},
         }  # fmt: skip
 
@@ -205,8 +220,7 @@ class Sensitivities:
                 continue
             with np.errstate(all="ignore"):
                 mode = self.mode_of(x)
-                columns = [j for j, d in enumerate(mode.directions) if d.parameter is not None]
-                places = [mode.directions[j].parameter for j in columns]
+                columns, places = mode.parameters
                 try:
                     point = Point(mode.system, t, x[:n])
                 except ArithmeticError:

@@ -10,7 +10,7 @@ on theta, S jumps by (f- - f+) dt/dtheta.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -18,11 +18,11 @@ from lagc.base.records import dataclass
 from lagc.simulation.linearization.derivatives import Array, Point
 from lagc.simulation.sensitivity.followers import Follower, follower
 from lagc.simulation.sensitivity.saltation import Changes, Stopped
-from lagc.simulation.sensitivity.sensitivities import FAINT, Direction
+from lagc.simulation.sensitivity.sensitivities import FAINT, Mode
 from lagc.simulation.system import INTERRUPTED, OK, TERMINATED, Options
 
 if TYPE_CHECKING:
-    from lagc.simulation.backends.python import NumpySystem
+    pass
 
 SLICE = 8  # inverse share of the steps so far that are made between two calls of `progress`
 REASONS = ("", "its derivatives have no finite value", "its derivatives grow without bound")
@@ -94,24 +94,14 @@ class Followed:
 class Variation:
     """The integration of S along a motion."""
 
-    def __init__(
-        self,
-        system: NumpySystem,
-        followed: Any,
-        directions: Sequence[Direction],
-        start: Array,
-        options: Options,
-        rests: bool,
-        most: int,
-    ):
-        """`system` has the derivatives that events need, `followed` the kernels. `start` is S(0) by
-        directions, `rests` tells that the motion stays at its initial state, and `most` limits the number of
-        steps."""
-        self.system, self.followed, self.rests, self.start, self.most = system, followed, rests, start, most
-        self.options = options
-        self.by_p = [k for k, d in enumerate(directions) if d.parameter is not None]
-        self.columns = [-1 if d.parameter is None else d.parameter for d in directions]
-        self.groups = Groups(system.interface.kinds)
+    def __init__(self, mode: Mode, start: Array, options: Options, rests: bool, most: int):
+        """`mode` is the code of the motion, `start` is S(0) by its directions, `rests` tells that the motion
+        stays at its initial state, and `most` limits the number of steps."""
+        self.system, self.followed = mode.system, mode.followed
+        self.rests, self.start, self.most, self.options = rests, start, most, options
+        self.by_p, _ = mode.parameters
+        self.columns = [-1 if d.parameter is None else d.parameter for d in mode.directions]
+        self.groups = Groups(mode.system.interface.kinds)
 
     def integrate(
         self, x0: Sequence[float], times: Sequence[float], progress: Progress | None,

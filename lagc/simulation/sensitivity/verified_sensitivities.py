@@ -34,11 +34,7 @@ Progress = Callable[[float], None]
 
 
 def sensitivities(
-    mode_of: ModeOf,
-    whole: Mode | None,
-    run: Solution,
-    request: Request,
-    progress: Progress | None = None,
+    mode_of: ModeOf, whole: Mode | None, run: Solution, request: Request, progress: Progress | None = None
 ) -> None:
     """Add sensitivities to `run`, the result of the complete `request`, by the code for its states. `whole`
     is that of the model with contacts, if it has any. If they fail or miss the accuracy, the run fails, and
@@ -55,9 +51,7 @@ def sensitivities(
         try:
             if run.interrupted or not run.times:
                 raise ArithmeticError("the motion was interrupted")
-            start, doubts, reasons = start_slopes(
-                system, x0, request.starts, directions, request.guesses
-            )
+            start, doubts, reasons = start_slopes(system, x0, request.starts, directions, request.guesses)
             # Directions that end early are given up, with their reasons; the others go on.
             kept = [k for k in range(len(directions)) if k not in reasons]
             while kept:
@@ -103,8 +97,8 @@ def _verified(
 ) -> list[int]:
     """Fill `found` in the directions `kept` and return those that end early; every second run starts
     displaced."""
-    n, directions, x0 = len(start[0]), [found.directions[k] for k in kept], _begun(run)
-    mode = found.mode_of(x0)
+    n, x0 = len(start[0]), _begun(run)
+    mode = found.mode_of(x0).of(kept)
     kinds = mode.system.interface.kinds
     rests = len(run.times) > 1 and all(x[:n] == x0[:n] for x in run.states)
 
@@ -113,7 +107,7 @@ def _verified(
         begun = start[0] + displaced * start[1]
         along: Variation | Passage
         if whole is None or rests:
-            along = Variation(mode.system, mode.followed, directions, begun, options, rests, most)
+            along = Variation(mode, begun, options, rests, most)
         else:
             along = Passage(whole, found.mode_of, kept, begun, options, displaced, most)
         done = along.integrate(x0, run.times, progress)
