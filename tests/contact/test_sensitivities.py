@@ -1,7 +1,5 @@
 """Sensitivities across events of contacts, against closed forms and differences of runs."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
