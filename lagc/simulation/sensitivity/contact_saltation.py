@@ -1,9 +1,9 @@
 """The change of the sensitivities S of a motion where contacts act.
 
-A gap closes, a force falls to zero, a slip ends, static friction gives way: each has an indicator g that is
-zero at the event, whose time changes by dt = -(g_x S + g_theta)/(g_x f- + g_t).  The state before the event
-changes by S + f- dt, that after it by S+ + f+ dt.  Without an impact both are the same.  An impact maps the
-one on the other, x+ = R(x, theta, t), as long as the same contacts slip, stick and leave.
+A gap closes, a force falls to zero, a slip ends, static friction no longer holds: each has an indicator g
+that is zero at the event, whose time changes by dt = -(g_x S + g_theta)/(g_x f- + g_t).  The state before the
+event changes by S + f- dt, that after it by S+ + f+ dt.  Without an impact both are the same.  An impact maps
+the one on the other, x+ = R(x, theta, t), as long as the same contacts slip, stick and leave.
 (R. I. Leine, H. Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004, chapter 7.)
 
 R is what contacts do in a run, the kernel `settle`.  R and g are differentiated by extrapolated differences.
@@ -12,18 +12,19 @@ R is what contacts do in a run, the kernel `settle`.  R and g are differentiated
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from math import hypot, inf
 from typing import Any
 
 import numpy as np
 
 from lagc.base.records import dataclass
-from lagc.codegen.python.support.contacts import CLOSES, RESTS, STRIKES
+from lagc.codegen.python.support.contacts import CLOSES, RESTS, SLIPS, STICKS, STRIKES
 from lagc.mechanics.formulation.contacts import MODE_STICKS
 from lagc.simulation.linearization.derivatives import Array
 from lagc.simulation.sensitivity.differences import extrapolated, size_of
 from lagc.simulation.sensitivity.saltation import LOCATED, Stopped, common_shift
 from lagc.simulation.sensitivity.sensitivities import CLEAR, Mode
-from lagc.simulation.system import FAILED, OK, Options
+from lagc.simulation.system import OK, REDUNDANT, Options
 
 FARTHEST = (1e-2, 1e-3, 1e-4, 1e-6)  # of the sizes of states and parameter: displacements that are tried
 DIFFERENCES = 5
@@ -31,14 +32,14 @@ NEAR = 1e-6  # of the size of a state: the displacement that shows the terms of 
 ROUNDED = 1e-13  # of the size of a state: round-off of the map of an impact, over its displacement
 SURE = 1e-9  # of the terms of a change: its error after which no shorter displacements are tried
 EDGE = "the smallest change decides what contacts do"
-TOUCHES, RELEASES, STOPS, GIVES_WAY = "touches", "is released", "stops slipping", "slips"
+TOUCHES, RELEASES, STOPS, BEGINS = "touches", "is released", "stops slipping", "slips"
 
 
 @dataclass(frozen=True)
 class ContactEvent:
-    """What contacts did at the time t, by their indices; the whole states before and after it, and the time
-    since the event before. `near` and `begun` are states shortly before and after: a slip in space that ends
-    or begins has the directions there."""
+    """An event at the time t: the acts of contacts by their indices, the whole states before and after it,
+    and the time since the event before. `near` and `begun` are states shortly before and after: a slip in
+    space that ends or begins has the directions there."""
 
     t: float
     before: Sequence[float]
@@ -60,8 +61,8 @@ class ContactChanges:
     def beyond(self, event: ContactEvent, now: Array) -> tuple[Array, Array, Array, Array]:
         """Return S after an event, the magnitudes of its terms, its error and its round-off. `now` is S
         before it. Raises Stopped if there is no derivative."""
-        one = self._rates(event.t, event.before, event.near)
-        two = self._rates(event.t, event.after, event.begun)
+        one = self._rates(event, event.before, event.near)
+        two = self._rates(event, event.after, event.begun)
         shift = self._shift(event, now, one)
         moved, doubts = now + np.outer(one, shift), np.zeros_like(now)
         units = [self._unit(k, moved[:, k]) for k in range(len(shift))]
@@ -72,34 +73,34 @@ class ContactChanges:
             for k in range(len(shift)):
                 moved[:, k], doubts[:, k] = self._slope(event, k, moved[:, k], shift[k], settled)
         found = moved - np.outer(two, shift)
-        # What the motion does not depend on, as a mass, stays without effect.
+        # A direction on which the motion does not depend, as by a mass, stays without effect.
         idle = ~now.any(axis=0) & (np.abs(found) <= CLEAR * noise).all(axis=0)
         for array in (found, terms, doubts, noise):
             array[:, idle] = 0.0
         return found, terms, doubts, noise
 
-    def _rates(self, t: float, x: Sequence[float], beside: Sequence[float]) -> Array:
-        equations, rates = self._placed(self.system.equations(), t, x, beside), [0.0] * self.system.nx
+    def _rates(self, event: ContactEvent, x: Sequence[float], beside: Sequence[float]) -> Array:
+        equations, rates = self._placed(self.system.equations(), event, x, beside), [0.0] * self.system.nx
         lam = [0.0] * self.system.nc
-        if self.module["rates_at"](equations.p, t, list(x), rates, lam, equations.work) in FAILED:
+        status = self.module["rates_at"](equations.p, event.t, list(x), rates, lam, equations.work)
+        if status not in (OK, REDUNDANT):
             raise Stopped("the motion is not determined")
         return np.array(rates[: self.n])
 
-    def _placed(self, equations: Any, t: float, x: Sequence[float], beside: Sequence[float]) -> Any:
-        """Set the modes of relations and the directions of slips in space to those of the states (t, x) and
-        `beside`."""
+    def _placed(
+        self, equations: Any, event: ContactEvent, x: Sequence[float], beside: Sequence[float]
+    ) -> Any:
+        """Set the modes of relations to those of the state x, and the directions of slips in space that end
+        or begin to those of the state `beside`."""
         work, contacts = equations.work, self.system.interface.contacts
-        work.modes[:], work.modes_fixed = self.system.modes(t, x), True
-        if any(contact.slips == 2 for contact in contacts):
-            whole = [*beside, *x[len(beside) :]]
-            indicators = self.system.indicators(t, whole)
-            for i, contact in enumerate(contacts):
-                if contact.slips == 2:
-                    first = self.module["slip_relation"](i)
-                    slip = np.array(indicators[first : first + 2])
-                    axis = slip / (float(np.hypot(*slip)) or 1.0)
-                    work.contacts.slip_axes[2 * i : 2 * i + 2] = axis.tolist()
-                    work.contacts.slip_roundoff[i] = np.inf
+        work.modes[:], work.modes_fixed = self.system.modes(event.t, x), True
+        for i, act in event.acts.items():
+            if contacts[i].slips == 2 and act in (STICKS, SLIPS):
+                first = self.module["slip_relation"](i)
+                slip = self.system.indicators(event.t, [*beside, *x[len(beside) :]])[first : first + 2]
+                length = hypot(*slip) or 1.0
+                work.contacts.slip_axes[2 * i : 2 * i + 2] = [part / length for part in slip]
+                work.contacts.slip_roundoff[i] = inf
         return equations
 
     def _shift(self, event: ContactEvent, now: Array, rates: Array) -> Array:
@@ -126,8 +127,8 @@ class ContactChanges:
         return common_shift(own)
 
     def _watched(self, event: ContactEvent) -> list[tuple[str, int, bool]]:
-        """What the contacts that acted could have done by themselves: its name, the relation of its
-        indicator, and whether it is known that they did."""
+        """The causes that the contacts which acted may have had: the name of each, the relation of its
+        indicator, and whether it is known to be one."""
         module, contacts, found = self.module, self.system.interface.contacts, list[tuple[str, int, bool]]()
         first = module["NMODE"] - module["NCON"]
         for i, act in event.acts.items():
@@ -135,13 +136,13 @@ class ContactChanges:
             hits = mode == 0.0 and act in (STRIKES, RESTS, CLOSES)
             found.append((f"{name} {TOUCHES if mode == 0.0 else RELEASES}", first + i, hits))
             if mode and contacts[i].slips:
-                said = GIVES_WAY if mode == MODE_STICKS else STOPS
+                said = BEGINS if mode == MODE_STICKS else STOPS
                 found.append((f"{name} {said}", module["slip_relation"](i), False))
         return found
 
     def _indicators(self, equations: Any, t: float, x: list[float], event: ContactEvent) -> Array:
         """The indicators of all relations at (t, x), with contacts in their modes before the event."""
-        work = self._placed(equations, event.t, event.before, event.near).work
+        work = self._placed(equations, event, event.before, event.near).work
         self.module["fn_indicators_on"](equations.p, t, x, work.modes, work.events.indicators)
         self.module["indicate_forces"](equations.p, t, x, work)
         return np.array(work.events.indicators)
@@ -158,12 +159,12 @@ class ContactChanges:
             s = module["Integrator"](equations, Options(), t, x)
             module["enlarge_sizes"](x, s.sizes)
             module["widen_ranges"](x, s.lowest, s.highest)
-            work.modes[:] = self.system.modes(event.t, event.before)
+            work.modes[:], work.modes_fixed = self.system.modes(event.t, event.before), True
             work.settling.go_on, work.settling.has_acted = True, False
-            # Who is hit, and who rests, are those of the event.
+            # Contacts that are hit, and those that rest, are those of the event.
             for i, act in event.acts.items():
                 work.settling.hit[i] = int(event.before[first + i] == 0.0)
-                s.touch_times[i], s.fall_heights[i] = t, np.inf if act == RESTS else 0.0
+                s.touch_times[i], s.fall_heights[i] = t, inf if act == RESTS else 0.0
             status = module["settle"](equations.p, s, False, work)
             if status != OK or list(s.x[first:]) != list(event.after[first:]):
                 raise ArithmeticError(EDGE)
