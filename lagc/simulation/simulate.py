@@ -279,7 +279,7 @@ def _verified(
     implicit one takes far fewer steps."""
     assert request.accuracy is not None
     given = _terms(system, x, times, request, progress)
-    if stiff is None or request.method is not None or not system.nz or system.interface.contacts:
+    if stiff is None or request.method is not None or not system.nz:
         return system, verified_run(system, **given, method=request.method or DEFAULT_METHOD, long=long), []
     from lagc.simulation.supervision import StabilityLimited, is_limited
 
