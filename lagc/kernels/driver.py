@@ -19,6 +19,7 @@ from lagc.kernels.events.location import (
     crosses_within_roundoff,
     first_crossing,
     is_time_event_due,
+    moves_away_at_end,
     next_time_event,
     release_slack,
 )
@@ -49,6 +50,7 @@ from lagc.kernels.integrators.stiffness import detect_stiffness
 from lagc.kernels.language.vocabulary import *
 
 LEAST_REDUCTION = 0.1  # least size, relative to that of a step that hides an event, of the next attempt
+MOST_MISSED = 12  # attempts that do not resolve an event
 MOST_REDUCTIONS = 40  # of one step because of a hidden event
 TIME_ERROR = 10.0  # error of an event time, over step size and tolerance
 FIRST_ORDER = 0.1  # time that is corrected to first order, over step size and root of the tolerance
@@ -351,13 +353,22 @@ def splits_event_step(s: State, t1: Real, o: Options, a: Trial) -> bool:
     return True
 
 
-def splits_return(s: State, o: Options, a: Trial, w: Work) -> bool:
-    """Halve an implicit step that ends where what has just left zero returns to it; return whether it was
-    halved."""
-    if not (is_implicit(o.method) and s.after_event and a.ends_at_event and returns_at_once(s, w)):
+def misses_event(p: Params, s: State, o: Options, a: Trial, w: Work) -> bool:
+    """Shorten an implicit step that ends at an event which is none of its motion; return whether it was
+    shortened."""
+    if not (is_implicit(o.method) and a.ends_at_event and a.rejected < MOST_MISSED):
         return False
-    a.size *= 0.5
+    # What has just left zero is beyond by its slack where it returns within the same step. From half of the
+    # way on it has none.
+    if s.after_event and returns_at_once(s, w):
+        a.size *= 0.5
+    # The dense output crosses where the step, made to there, moves away: it does not resolve the motion.
+    elif moves_away_at_end(p, s, a, s.k[end_rate_row(o.method)], w):
+        a.size = 0.25 * a.size_before_event
+    else:
+        return False
     a.ends_at_event = False
+    a.rejected += 1
     s.rejected += 1
     return True
 
@@ -474,7 +485,7 @@ def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w
             return report_culprit(s, status, w)
         if NCON > 0:
             if NNEWTON > 0:
-                if not failed(status) and a.error <= 1.0 and splits_return(s, o, a, w):
+                if not failed(status) and a.error <= 1.0 and misses_event(p, s, o, a, w):
                     continue
         if NMODE > 0:
             if not failed(status) and a.error <= 1.0 and splits_event_step(s, t1, o, a):

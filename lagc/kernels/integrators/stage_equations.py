@@ -10,7 +10,6 @@ from lagc.kernels.dynamics.loaded_reactions import motion_at
 from lagc.kernels.language.vocabulary import *
 from lagc.kernels.linear_algebra.dense_lu import factor_complex, factor_real, solve_complex, solve_real
 
-
 DIFFERENCE = by_type(5e-3, 6e-6, "6e-12")  # of the size of a state, SPACING^(1/3): for central differences
 
 
