@@ -10,7 +10,8 @@ from lagc.kernels.call_boundary import evaluate_start, keep_parameters, report_c
 from lagc.kernels.contact.kept_blocks import keep_blocks
 from lagc.kernels.contact.slips import keep_slip_errors, time_to_stop, turns_fast
 from lagc.kernels.contact.touching import forget_forces, put_on_constraints, rates_at
-from lagc.kernels.events.contact_events import end_slack, leave_slowly, pass_event, returns_at_once
+from lagc.kernels.events.contact_events import pass_event
+from lagc.kernels.events.departures import end_departures, find_departures, misses_event
 from lagc.kernels.events.location import (
     LEAST_SLACK,
     MOST_SLACK,
@@ -19,7 +20,6 @@ from lagc.kernels.events.location import (
     crosses_within_roundoff,
     first_crossing,
     is_time_event_due,
-    moves_away_at_end,
     next_time_event,
     release_slack,
 )
@@ -50,7 +50,6 @@ from lagc.kernels.integrators.stiffness import detect_stiffness
 from lagc.kernels.language.vocabulary import *
 
 LEAST_REDUCTION = 0.1  # least size, relative to that of a step that hides an event, of the next attempt
-MOST_MISSED = 12  # attempts that do not resolve an event
 MOST_REDUCTIONS = 40  # of one step because of a hidden event
 TIME_ERROR = 10.0  # error of an event time, over step size and tolerance
 FIRST_ORDER = 0.1  # time that is corrected to first order, over step size and root of the tolerance
@@ -259,8 +258,8 @@ def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
             keep_slip_errors(s, w)
         if NCON > 0:
             if NNEWTON > 0:
-                if is_implicit(o.method) and s.after_event:
-                    end_slack(s)
+                if is_implicit(o.method):
+                    end_departures(s, w)
         s.after_event = False
         s.is_split = a.is_split
         s.event_time_error = TIME_ERROR * o.rtol * fabs(a.h)
@@ -350,26 +349,6 @@ def splits_event_step(s: State, t1: Real, o: Options, a: Trial) -> bool:
     a.size *= 0.5
     a.is_split = True
     a.ends_at_event = False
-    return True
-
-
-def misses_event(p: Params, s: State, o: Options, a: Trial, w: Work) -> bool:
-    """Shorten an implicit step that ends at an event which is none of its motion; return whether it was
-    shortened."""
-    if not (is_implicit(o.method) and a.ends_at_event and a.rejected < MOST_MISSED):
-        return False
-    # What has just left zero is beyond by its slack where it returns within the same step. From half of the
-    # way on it has none.
-    if s.after_event and returns_at_once(s, w):
-        a.size *= 0.5
-    # The dense output crosses where the step, made to there, moves away: it does not resolve the motion.
-    elif moves_away_at_end(p, s, a, s.k[end_rate_row(o.method)], w):
-        a.size = 0.25 * a.size_before_event
-    else:
-        return False
-    a.ends_at_event = False
-    a.rejected += 1
-    s.rejected += 1
     return True
 
 
@@ -532,8 +511,8 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
             return report_culprit(s, status, w)
     if NCON > 0:
         if NNEWTON > 0:
-            if is_implicit(o.method) and s.after_event and s.settlements > 0:
-                leave_slowly(p, s, DEPARTURE * o.rtol * loosening(o), w)
+            if is_implicit(o.method):
+                find_departures(p, s, DEPARTURE * o.rtol * loosening(o), w)
         keep_blocks(True, w)
     status = find_step(p, s, t1, goal, o, a, w)
     if NCON > 0:

@@ -4,7 +4,7 @@ The slack of their indicators is the round-off by which these may be beyond zero
 """
 
 from lagc.kernels.contact.kept_blocks import keep_blocks
-from lagc.kernels.contact.settle import OPENS, SLIPS, bounds_jump, settle, settle_jump
+from lagc.kernels.contact.settle import bounds_jump, settle, settle_jump
 from lagc.kernels.contact.slips import REACHES, RELEASES, SLIDES, STOPS, TURNS, reach_of
 from lagc.kernels.contact.touching import find_touching, rates_at, set_gaps, slip_along, slip_relation
 from lagc.kernels.events.location import SLACK_GROWTH, estimate_indicator_roundoff
@@ -113,48 +113,6 @@ def set_contact_slack(p: Params, s: State, w: Work) -> None:
         s.rhs += 1
         if not failed(status):
             set_force_slack(s, w)
-
-
-def slow_relation(i: int, s: State) -> int:
-    """Return the relation of a contact that leaves zero with a rate of zero, as it opened or its slip began at
-    the last event; -1 if it did neither."""
-    if NSLIP > 0:
-        if s.contact_kinds[i] == SLIPS:
-            return slip_relation(i)
-    return NMODE - NCON + i if s.contact_kinds[i] == OPENS else -1
-
-
-def leave_slowly(p: Params, s: State, error: Real, w: Work) -> None:
-    """Let contacts that have just opened, and slips that have just begun, be beyond zero by what relative
-    errors of the states do: the dense output of an implicit step does not tell that from zero."""
-    for i in range(NQ + NV):
-        w.search.x_part_middle[i] = s.sizes[scaling_group[i]]
-    estimate_indicator_roundoff(p, s, w.search.x_part_middle, w)
-    for i in range(NCON):
-        k = slow_relation(i, s)
-        if k >= 0:
-            least = error / SPACING * w.events.roundoff[k - NTIMED]
-            if s.slack[k] < least:
-                s.slack[k] = least
-
-
-def returns_at_once(s: State, w: Work) -> bool:
-    """Return whether what has just left zero crosses it again in the same step: then it is beyond by all of
-    its slack, and the step is halved, so that the next one begins on the near side and has none."""
-    for i in range(NCON):
-        k = slow_relation(i, s)
-        if k >= 0:
-            if w.events.crossed[k] > 0:
-                return True
-    return False
-
-
-def end_slack(s: State) -> None:
-    """Take away the slack of what has left zero in the first step after an event."""
-    for i in range(NCON):
-        k = slow_relation(i, s)
-        if k >= 0:
-            s.slack[k] = 0.0
 
 
 def act_after_contacts(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:

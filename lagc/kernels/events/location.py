@@ -369,16 +369,6 @@ def crosses_by_roundoff(
     return True
 
 
-def moves_away_at_end(p: Params, s: State, a: Trial, rates: Vec[NX], w: Work) -> bool:
-    """Return whether the indicators in w.events.crossed, which are no forces, move away from their crossings at
-    the end of an attempt."""
-    if NCON > 0:
-        if force_crosses(s, w):
-            return False
-    indicator_rates_at(p, a.t_new, s.x_new, w.modes, rates, w.events.rates, s, w)
-    return all_move_away(a.direction, w)
-
-
 def estimate_indicator_roundoff(p: Params, s: State, reach: Vec[NX], w: Work) -> None:
     """Compute w.events.roundoff: the change of each indicator of the state by one unit in the last
     place of the time and of states as large as here, or as `reach`."""

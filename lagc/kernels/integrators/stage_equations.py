@@ -1,8 +1,8 @@
 """The equations of a stage of an implicit method, and the linear systems of its Newton method.
 
 The unknowns are q, v and the multipliers: q' = N v + n, M v' = f + G^T lam, and the constraints at velocity
-level, psi = 0 (index 2). In a model with contacts they are q and v alone: q' and v' are the rates of the motion
-with the contacts that touch, in the modes of the step. The matrices are dense.
+level, psi = 0 (index 2). In a model with contacts they are q and v alone: q' and v' are the rates of the
+motion with the contacts that touch, in the modes of the step. The matrices are dense.
 """
 
 from lagc.kernels.contact.touching import rates_at
@@ -57,8 +57,8 @@ def derive_columns(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
 
 
 def spans_of_states(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work, spans: Vec[NGROUP]) -> None:
-    """Set the spans of the scaling groups: the largest magnitude so far, of angles at most 1. A group at rest
-    has what it reaches over h."""
+    """Set the spans of the scaling groups: the largest magnitude so far, of angles at most 1. A group at rest,
+    up to round-off, has what it reaches over h."""
     # The rates tell what speeds reach, and those after an Euler step what coordinates do.
     for k in range(NGROUP):
         spans[k] = 0.0
@@ -73,7 +73,7 @@ def spans_of_states(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work, 
             w.newton.rates_stage[i] = h * w.xdot[i]
         enlarge_sizes(w.newton.rates_stage, spans)
     for k in range(NGROUP):
-        if w.error.sizes[k] > 0.0:
+        if w.error.sizes[k] > LEAST_SIZE * spans[k]:
             spans[k] = w.error.sizes[k]
     if spans[0] > 1.0:
         spans[0] = 1.0
