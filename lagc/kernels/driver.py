@@ -11,7 +11,7 @@ from lagc.kernels.contact.kept_blocks import keep_blocks
 from lagc.kernels.contact.slips import keep_slip_errors, time_to_stop, turns_fast
 from lagc.kernels.contact.touching import forget_forces, put_on_constraints, rates_at
 from lagc.kernels.events.contact_events import pass_event
-from lagc.kernels.events.departures import end_departures, find_departures, misses_event
+from lagc.kernels.events.departures import end_departures, find_departures, leaves_event_unresolved
 from lagc.kernels.events.location import (
     LEAST_SLACK,
     MOST_SLACK,
@@ -464,7 +464,7 @@ def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w
             return report_culprit(s, status, w)
         if NCON > 0:
             if NNEWTON > 0:
-                if not failed(status) and a.error <= 1.0 and misses_event(p, s, o, a, w):
+                if not failed(status) and a.error <= 1.0 and leaves_event_unresolved(p, s, o, a, w):
                     continue
         if NMODE > 0:
             if not failed(status) and a.error <= 1.0 and splits_event_step(s, t1, o, a):

@@ -159,8 +159,8 @@ def stability_note(run: Trajectory) -> list[str]:
         f"stability limited most of the {run.steps} steps, to about {abs(run.t) / run.steps:.1g} s: the "
         "equations are stiff, something decays or rings far faster than the motion. An explicit method takes "
         "no longer steps, also with a looser tolerance. The implicit method radau5 does where that decays "
-        "(--method radau5); else take a softer spring, a larger mass, or a constraint in place of a very stiff "
-        "spring"
+        "(--method radau5); else take a softer spring, a larger mass, or a constraint in place of a very "
+        "stiff spring"
     ]
 
 

@@ -45,8 +45,8 @@ def bushing() -> lagc.CompiledModel:
 
 
 class Motion:
-    """The exact motion of BUSHING from one event to the next: in flight and on the floor the states (z, s, z', s', 1)
-    obey x' = A x."""
+    """The exact motion of BUSHING from one event to the next: in flight and on the floor the states (z, s,
+    z', s', 1) obey x' = A x."""
 
     def __init__(self) -> None:
         self.flight, self.floor = np.zeros((5, 5)), np.zeros((5, 5))
@@ -102,7 +102,9 @@ def test_a_bushing_that_bounces_is_the_exact_motion() -> None:
         assert max(abs(event.t - t) for event, (t, _) in zip(run.events, motion.events)) < rtol
         states = [run.final[name] for name in ("z", "s", "der(z)", "der(s)")]
         assert np.abs(np.array(states) - motion.x[:4]).max() < 10.0 * rtol * h
-    assert run.cost.steps < 400  # the fast part decays in 5 us: stability allows an explicit step of about 20 us
+    assert (
+        run.cost.steps < 400
+    )  # the fast part decays in 5 us: stability allows an explicit step of about 20 us
 
 
 def test_a_verified_run_keeps_its_accuracy() -> None:
@@ -128,8 +130,8 @@ def test_auto_takes_it_where_stability_limits_the_steps() -> None:
 
 @pytest.mark.full
 def test_it_needs_far_fewer_steps_than_an_explicit_method() -> None:
-    """Flight, impacts, slip, rest: the same events as those of an independent method, in a thirtieth of its steps.
-    Both backends return the same bits."""
+    """Flight, impacts, slip, rest: the same events as those of an independent method, in a twentieth of its
+    steps. Both backends return the same bits."""
     models = [lagc.load("bushing_on_floor").compile(backend=backend) for backend in ("c", "numpy")]
     explicit = models[0].simulate(1.0, method="dop853", rtol=1e-10, points=11)
     runs = [model.simulate(1.0, method="radau5", rtol=1e-7, points=11) for model in models]
@@ -148,7 +150,9 @@ def test_fixed_steps_along_a_curved_contact_have_order_5() -> None:
     a0, errors = np.pi / 6.0, []
     leaves = acos(2.0 / 3.0 * cos(a0))
     # The time of a fall from a0 to a is an elliptic integral.
-    end = quad(lambda a: 1.0 / sqrt(2.0 * G * (cos(a0) - cos(a0 + a * a))) * 2.0 * a, 0.0, sqrt(leaves - a0))[0]
+    end = quad(lambda a: 1.0 / sqrt(2.0 * G * (cos(a0) - cos(a0 + a * a))) * 2.0 * a, 0.0, sqrt(leaves - a0))[
+        0
+    ]
     for step in (0.05, 0.025, 0.0125):
         run = model.simulate(0.4, method="radau5", step=step, points=2)
         ((t, name),) = [(event.t, event.name) for event in run.events]

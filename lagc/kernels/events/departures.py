@@ -1,9 +1,9 @@
 """Events that the dense output of an implicit step does not resolve.
 
 A contact that opens as its force falls to zero, and a slip that begins, leave zero with a rate of zero. The
-dense output has the error that the tolerance admits, so it may cross zero again at once. In the first step they
-may be beyond zero by that. A step that ends beyond, or at a crossing that the motion moves away from, is made
-shorter.
+dense output has the error that the tolerance admits, so it may cross zero again at once. In the first step
+they may be beyond zero by that. A step that ends beyond, or at a crossing that the motion moves away from, is
+made shorter.
 """
 
 from math import fabs
@@ -13,11 +13,12 @@ from lagc.kernels.contact.settle import OPENS, SLIPS
 from lagc.kernels.contact.slips import speed_size
 from lagc.kernels.contact.touching import slip_relation
 from lagc.kernels.events.late_indicators import indicator_rates_at, indicators_at
-from lagc.kernels.events.location import all_move_away, estimate_indicator_roundoff, margin, moves_away
+from lagc.kernels.events.location import all_move_away, estimate_indicator_roundoff, moves_away
+from lagc.kernels.events.modes import margin
 from lagc.kernels.integrators.dispatch import end_rate_row, is_implicit
 from lagc.kernels.language.vocabulary import *
 
-MOST_MISSED = 12  # attempts of a step that do not resolve its events
+MOST_UNRESOLVED = 12  # attempts of a step that do not resolve its events
 
 
 def find_departures(p: Params, s: State, error: Real, w: Work) -> None:
@@ -66,10 +67,10 @@ def has_returned(a: Trial, w: Work) -> bool:
     return False
 
 
-def misses_event(p: Params, s: State, o: Options, a: Trial, w: Work) -> bool:
+def leaves_event_unresolved(p: Params, s: State, o: Options, a: Trial, w: Work) -> bool:
     """Shorten an implicit step whose dense output does not resolve its event; return whether it was
     shortened."""
-    if not is_implicit(o.method) or o.step > 0.0 or a.rejected == MOST_MISSED:
+    if not is_implicit(o.method) or o.step > 0.0 or a.rejected == MOST_UNRESOLVED:
         return False
     rates = s.k[end_rate_row(o.method)]
     indicators_at(p, a.t_new, s.x_new, w.modes, w.events.indicators, s, w)

@@ -57,8 +57,8 @@ def derive_columns(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
 
 
 def spans_of_states(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work, spans: Vec[NGROUP]) -> None:
-    """Set the spans of the scaling groups: the largest magnitude so far, of angles at most 1. A group at rest,
-    up to round-off, has what it reaches over h."""
+    """Set the spans of the scaling groups: the largest magnitude so far, of angles at most 1. A group at
+    rest, up to round-off, has what it reaches over h."""
     # The rates tell what speeds reach, and those after an Euler step what coordinates do.
     for k in range(NGROUP):
         spans[k] = 0.0
