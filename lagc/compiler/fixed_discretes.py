@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.kernels import IMPLICIT, SERIES
+from lagc.kernels import SERIES
 
 if TYPE_CHECKING:
     from lagc.semantics.model import Model
@@ -19,7 +19,6 @@ def refuse_contacts(model: Model, variant: str) -> None:
     """Raise Refused (LAG0623) if a model has contacts or dry friction, which no variant follows."""
     if model.contacts:
         asked = {"derivatives": "derivatives", "sensitivities": "sensitivities",
-                 **dict.fromkeys(IMPLICIT, "implicit methods, such as radau5,"),
                  **dict.fromkeys(SERIES, "methods by power series, such as taylor,")}  # fmt: skip
         contact = model.contacts[0]
         message = f"{asked[variant]} do not follow {contact.title} yet"

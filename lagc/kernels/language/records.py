@@ -342,6 +342,8 @@ class SettlingWork:
     acts: IVec[NBLOCK]  # 1: something happens in this block
     near: IVec[NCON]
     leaves: IVec[NCON]
+    if NNEWTON > 0:
+        departs: IVec[NCON]  # relation that leaves zero with a rate of zero; -1: none does
     closed: IVec[NCON]  # modes that the law has found
     rests: IVec[NCON]
     struck: Vec[NCON]  # impulse
