@@ -23,7 +23,7 @@ from lagc.study.hard.cases import CASES, HARD
 
 OWN = {
     case.name: case for case in CASES if case.name not in HARD
-}  # the others: tests/physics/test_references
+}  # the others: tests/physics/test_closed_forms
 MISSED = {"tip_angles": [0], "kepler": [2]}  # figures that lagc does not keep, by case
 LONG = {"stiff_spring", "chaos", "kepler", "chain"}
 

@@ -38,11 +38,6 @@ def of(instance: str, inside: str = "", scene: str | None = None) -> Model:
     return pipeline.resolve(parse(Source("m.lag", PULL % (inside, instance))), Choice(scene=scene))
 
 
-def c_of(text: str, **choice: str) -> dict[str, str]:
-    found = pipeline.Compilation(Source("m.lag", text), Choice(**choice))  # type: ignore[arg-type]
-    return pipeline.render(pipeline.optimize(found.equations, work=False), "c")
-
-
 def test_an_instance_is_what_could_have_been_written_there() -> None:
     """The same C, but for names and lines."""
     by_instance = PULL % (
