@@ -1,7 +1,5 @@
 """Radau IIA beside contacts: stiff bushings on a floor, friction, rest, verified runs, both backends."""
 
-from __future__ import annotations
-
 from functools import cache
 from math import acos, cos, sin, sqrt
 
@@ -164,7 +162,7 @@ def test_fixed_steps_along_a_curved_contact_have_order_5() -> None:
 
 @pytest.mark.full
 def test_forces_that_exist_on_one_side_alone() -> None:
-    """A pad with the force s^1.5, which is no number beyond its surface, under a machine that bounces on it."""
+    """A pad with the force s^1.5, which is no number beyond its surface, under a machine that bounces."""
     force = "if s > 0 then k*s*sqrt(s/1 [mm]) + c*sqrt(s/1 [mm])*der(s) else 0 [N]"
     text = f"""model M
   parameter Stiffness k = 3e7 [N/m];
@@ -186,8 +184,8 @@ end M;"""
 
 @pytest.mark.full
 def test_dry_friction_of_a_joint_behind_a_stiff_shaft() -> None:
-    """A wheel in a bearing with the friction torque T = mu r m g stops after J w0/T and sticks. The motion of a
-    small motor beside it decays in a microsecond."""
+    """A wheel in a bearing with the friction torque T = mu r m g stops after J w0/T and sticks. The motion of
+    a small motor beside it decays in a microsecond."""
     text = """model M
   parameter Inertia J = 0.1 [kg.m2], j = 1e-4 [kg.m2];
   parameter RotationalStiffness k = 1e6 [N.m/rad];
