@@ -62,7 +62,7 @@ REFUSED = {
     "def f(*x: Real) -> Real:\n    return 1.0": "arguments are plain",
     "def f(x: str) -> Real:\n    return 1.0": "str is not a type",
     "def f(x: Vec[3]) -> Real:\n    return 1.0": "Vec[3] is not a type",
-    "@cache\ndef f(x: Real) -> Real:\n    return x": "only decorator",
+    "@cache\ndef f(x: Real) -> Real:\n    return x": "only decorators",
     "async def f() -> None:\n    return": "level of the file",
     "def f(x: Real) -> Real:\n    y, z = x, x\n    return y": "not in the subset",
     "def f(x: Real) -> Real:\n    try:\n        return x\n    except ValueError:\n        return x": "subset",
