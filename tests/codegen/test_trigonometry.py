@@ -46,7 +46,7 @@ HARD = (
 
 def printed_c(calls: Iterable[str]) -> str:
     text = "\n".join(runtime.sine_cosine(sine_cosine_kernels(calls, "double"))).replace("lagc_real", "double")
-    return f"#include <math.h>\n#ifdef __clang__\n#pragma STDC FP_CONTRACT OFF\n#endif\n{text}\n"
+    return f"#include <math.h>\n#include <stdbool.h>\n#ifdef __clang__\n#pragma STDC FP_CONTRACT OFF\n#endif\n{text}\n"
 
 
 @cache

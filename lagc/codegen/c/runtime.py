@@ -303,7 +303,9 @@ def _constants(parts: Sequence[Part]) -> list[str]:
     for kind, name in (("Real", "lagc_real"), ("int", "int")):
         own, lines = [part for part in parts if part.kind == kind], [f"static const {name}"]
         for part in own:
-            lines += _annotated(f"    LAGC_{part.name} = {part.text}{';' if part is own[-1] else ','}", part.note)
+            lines += _annotated(
+                f"    LAGC_{part.name} = {part.text}{';' if part is own[-1] else ','}", part.note
+            )
         found += ["\n".join(lines) + "\n"] if own else []
     for part in parts:
         if part.kind == "Reals":

@@ -91,7 +91,11 @@ class CPrinter:
         lines += [f"    {ignored(n for n in types.parameters if n not in types.read)}"]
         self.block(types.body, "    ", lines)
         lead = "" if types.function.public else "".join(f"/* {line} */\n" for line in types.function.lead)
-        doc = "" if types.function.public else block_comment(fill(first_sentence(self.spelled(types.function.doc)), 98))
+        doc = (
+            ""
+            if types.function.public
+            else block_comment(fill(first_sentence(self.spelled(types.function.doc)), 98))
+        )
         body = "\n".join(folded(line) for line in lines if line.strip())
         return f"{lead}{doc}{self.head(types)}\n{{\n{body}\n}}\n"
 

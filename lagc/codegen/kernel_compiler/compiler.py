@@ -311,7 +311,7 @@ class Compiler:
         pruning = Pruning(needs, lambda name: name in known.signatures and any(known.signatures[name].writes))
         statics = Statics(part.file, own, known.sizes, definition.known, pruning, definition.prefix,
                           definition.own)  # fmt: skip
-        found = pruning.finished(statics.block(part.body))
+        found = pruning.finished(statics.block(part.body), part.body)
         kept.append((own.asked, found))
         flags.asked.update(own.asked)
         return found

@@ -231,9 +231,16 @@ def roots(node: ast.expr) -> set[str]:
 
 def targets(body: list[ast.stmt]) -> set[str]:
     """Return the names that statements assign."""
-    return {
-        n.id for s in body for n in ast.walk(s) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
-    }
+    return _names(body, ast.Store)
+
+
+def loaded(body: list[ast.stmt]) -> set[str]:
+    """Return the names that statements read."""
+    return _names(body, ast.Load)
+
+
+def _names(body: list[ast.stmt], how: type[ast.expr_context]) -> set[str]:
+    return {n.id for s in body for n in ast.walk(s) if isinstance(n, ast.Name) and isinstance(n.ctx, how)}
 
 
 def returns(body: list[ast.stmt]) -> bool:

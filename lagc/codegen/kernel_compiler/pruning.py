@@ -10,7 +10,7 @@ import ast
 from collections.abc import Callable, Collection
 from typing import NamedTuple
 
-from lagc.codegen.kernel_compiler.kernel_syntax import clone, identifier, root
+from lagc.codegen.kernel_compiler.kernel_syntax import clone, identifier, loaded, root, targets
 
 _NUMBERS = ast.Constant | ast.UnaryOp | ast.BinOp | ast.operator | ast.unaryop
 _PLACES = ast.Attribute | ast.Name | ast.expr_context
@@ -103,12 +103,11 @@ class Pruning:
             node.test, node.body, node.orelse = test, node.orelse, []
         return [node]
 
-    def finished(self, body: list[ast.stmt]) -> list[ast.stmt]:
-        """Return the statements without those that feed no other one."""
-        size = 0
+    def finished(self, body: list[ast.stmt], before: list[ast.stmt]) -> list[ast.stmt]:
+        """Return the statements without those that feed no other one, but did so in the statements `before`."""
+        kept, size = targets(before) - loaded(before), 0
         while size != (size := sum(1 for statement in body for _ in ast.walk(statement))):
-            names = [n for statement in body for n in ast.walk(statement) if isinstance(n, ast.Name)]
-            body = self._read_ones(body, {n.id for n in names if isinstance(n.ctx, ast.Load)})
+            body = self._read_ones(body, loaded(body) | kept)
         return body
 
     def _read_ones(self, block: list[ast.stmt], read: set[str]) -> list[ast.stmt]:

@@ -108,6 +108,17 @@ DOUBLE = Arithmetic("double", "", "{}", 1, "HUGE_VAL", "NAN", 0.0, inf, _HEADERS
 SINGLE = Arithmetic(
     "float", "f", "{}f", 0, "HUGE_VALF", "NAN", 2.0**-126, 2.0**128 - 2.0**104, _HEADERS, _SINGLE
 )
-QUAD = Arithmetic("__float128", "Q", "{}q", 2, "HUGE_VALQ", 'nanq("")', 0.0, inf, ("quadmath.h", "stdbool.h", "string.h"), "")
+QUAD = Arithmetic(
+    "__float128",
+    "Q",
+    "{}q",
+    2,
+    "HUGE_VALQ",
+    'nanq("")',
+    0.0,
+    inf,
+    ("quadmath.h", "stdbool.h", "string.h"),
+    "",
+)
 
 TYPES = {real.language: real for real in (DOUBLE, SINGLE, QUAD)}
