@@ -90,6 +90,8 @@ class CPrinter:
         lines = [f"    {self.local(name)};" for name in types.locals if self.places[name] is None]
         lines += [f"    {ignored(n for n in types.parameters if n not in types.read)}"]
         self.block(types.body, "    ", lines)
+        if lines[-1:] == ["    return;"]:
+            lines.pop()
         lead = "" if types.function.public else "".join(f"/* {line} */\n" for line in types.function.lead)
         doc = (
             ""

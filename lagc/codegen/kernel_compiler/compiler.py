@@ -28,7 +28,8 @@ from lagc.codegen.kernel_compiler.kernel_syntax import (
 )
 from lagc.codegen.kernel_compiler.parts import FUNCTION, LIST, RECORD, TITLE, Part
 from lagc.codegen.kernel_compiler.pruning import Pruning, Short, short
-from lagc.codegen.kernel_compiler.real_types import TYPES
+from lagc.codegen.kernel_compiler.lanes import LANES, LanePrinter
+from lagc.codegen.kernel_compiler.real_types import DOUBLE, TYPES
 from lagc.codegen.kernel_compiler.specialization import Statics, tested
 from lagc.codegen.kernel_compiler.type_check import INT, REAL, STATUS, Known, Signature, Type, Types, parsed
 from lagc.codegen.kernel_compiler.written_arguments import written
@@ -247,6 +248,8 @@ class Compiler:
         texts = {n: f"lagc_{n.lower()}" if kind[0] == "Vec" else f"LAGC_{n}"
                  for n, kind in self.known.constants.items()}  # fmt: skip
         self.printer = CPrinter(self.real, SPELLED, texts) if self.real else None
+        if language == LANES:
+            self.real, self.printer = DOUBLE, LanePrinter(SPELLED, texts)
         self.bodies = dict[str, list[tuple[Mapping[str, bool], list[ast.stmt]]]]()
 
     def part(self, name: str, given: Mapping[str, bool]) -> Part:
