@@ -1,7 +1,5 @@
 """Caches of the tests: nobody's own is read or filled where it matters; workers, and signals of children."""
 
-from __future__ import annotations
-
 import os
 import signal
 from collections.abc import Iterator

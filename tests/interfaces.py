@@ -1,7 +1,5 @@
 """Interfaces of programs and systems that are written by hand."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

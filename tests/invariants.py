@@ -1,7 +1,5 @@
 """The invariants of the objects between the stages: a model, its equations of motion, a program."""
 
-from __future__ import annotations
-
 from functools import singledispatch
 from itertools import chain
 

@@ -1,7 +1,5 @@
 """Light dataclasses are dataclasses."""
 
-from __future__ import annotations
-
 import copy
 import dataclasses
 import pickle

@@ -1,7 +1,5 @@
 """Files are written whole or not at all: every operation on files fails once, or is the last one."""
 
-from __future__ import annotations
-
 import errno
 import os
 import random

@@ -1,7 +1,5 @@
 """Numbers that people write are read strictly: as in a model file, with a sign."""
 
-from __future__ import annotations
-
 import math
 import random
 import unicodedata

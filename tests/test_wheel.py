@@ -1,7 +1,5 @@
 """What is installed holds all that it needs: the grammar, its tables, the models, the support code."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil
@@ -120,12 +118,8 @@ def test_the_sdist_holds_what_tests_and_licence_need(built: Path) -> None:
         names = {name.partition("/")[2] for name in archive.getnames()}
         owners = {(member.uid, member.gid, member.uname) for member in archive.getmembers()}
     assert {
-        "LICENSE",
-        "SECURITY.md",
-        "requirements-dev.lock",
-        "docs/how-to/embed-the-c.md",
-        "tests/conftest.py",
-    } <= names
+        "LICENSE", "SECURITY.md", "requirements-dev.lock", "docs/how-to/embed-the-c.md", "tests/conftest.py",
+    } <= names  # fmt: skip
     listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
     tracked = {name for name in listed.stdout.splitlines() if not name.startswith(".ci/")}
     assert tracked <= names and len(owners) == 1

@@ -1,7 +1,5 @@
 """Columns of numbers in a CSV file, with units in its header."""
 
-from __future__ import annotations
-
 import re
 from math import nan
 from typing import Any

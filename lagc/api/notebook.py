@@ -6,8 +6,6 @@
 The name is bound to the compiled model, and its equations are shown; with `--stop`, `pendulum_run` to a run.
 """
 
-from __future__ import annotations
-
 from argparse import ArgumentTypeError
 from collections.abc import Iterable
 from html import escape

@@ -1,7 +1,5 @@
 """The numbers that control a run, declared once: command line, scenes, Python and documents follow."""
 
-from __future__ import annotations
-
 from lagc.base.records import dataclass
 
 

@@ -3,8 +3,6 @@
 It may be cleared at any time: lagc compiles again what is missing.
 """
 
-from __future__ import annotations
-
 import argparse
 from typing import Any
 

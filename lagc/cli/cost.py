@@ -4,8 +4,6 @@ Errors are taken against a run in quadruple precision.  The report has the setti
 setting to take for 1e-3, 1e-6, 1e-9 and 1e-12, and the price of one digit more.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from lagc.cli.deliver import spare

@@ -5,8 +5,6 @@ contacts has a system for each mode, or one with the laws of all.  `--format lat
 document that uses the package amsmath, `--format sympy` a Python script that builds the equations with SymPy.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from lagc.cli.options import add_model_options, choice_of

@@ -5,8 +5,6 @@ quantities, the parts of the kinetic energy, effects that are used or left out, 
 the generated code.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from lagc.cli.options import add_model_options, add_outputs_option, choice_of

@@ -3,8 +3,6 @@
 Files are rewritten in place; `-` formats standard input to standard output.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 

@@ -5,8 +5,6 @@ places are rounded to nine digits, and angles that are written for multiples of 
 --exact keeps every digit.  The command names all that it does not import.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from lagc.cli.output import DONE, Usage, cannot_write, print_faults, print_json, say, show

@@ -4,8 +4,6 @@ An editor starts it.  It tells faults while a model is written, with fixes; unit
 names; it completes, renames and formats.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from lagc.cli.output import DONE, Usage

@@ -1,7 +1,5 @@
 """`lagc COMMAND ...`: one file for each command, loaded when it is used."""
 
-from __future__ import annotations
-
 import argparse
 import importlib
 import os

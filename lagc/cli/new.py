@@ -1,7 +1,5 @@
 """Write a model to start from, NAME.lag, valid, formatted and commented; or list the library models."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import re

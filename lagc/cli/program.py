@@ -1,7 +1,5 @@
 """The program `lagc`.  It handles signals before it loads anything else."""
 
-from __future__ import annotations
-
 import gc
 import os
 

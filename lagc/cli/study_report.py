@@ -1,7 +1,5 @@
 """The files of a study: the picture, the data, or one stand-alone page."""
 
-from __future__ import annotations
-
 import argparse
 import os
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """The summary of a run in about a dozen lines: the end, the accuracy and the cost."""
 
-from __future__ import annotations
-
 from math import floor, isfinite, log10, pi
 
 from lagc.base.text import WIDTH, broken, entry

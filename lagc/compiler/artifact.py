@@ -4,8 +4,6 @@ Each model has two entries.  The *head*, found by the text and the choice alone,
 imported and which parameters are built in.  The *artifact* is found by these.
 """
 
-from __future__ import annotations
-
 import marshal
 from collections.abc import Iterable, Mapping
 from types import CodeType

@@ -1,7 +1,5 @@
 """The files that an installation brings: the parser's tables, and the kernels of common models."""
 
-from __future__ import annotations
-
 from itertools import product
 from pathlib import Path
 

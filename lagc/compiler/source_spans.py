@@ -1,7 +1,5 @@
 """Where in the text of a model it is written that there is no first step, and what to do about it."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from math import inf, isfinite

@@ -5,8 +5,6 @@ The pages of `docs/reference/messages` have a section for each code: its title, 
 There are none if the fault does not come from the text of a model.
 """
 
-from __future__ import annotations
-
 import os
 import re
 from textwrap import indent

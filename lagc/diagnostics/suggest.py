@@ -3,8 +3,6 @@
 `foreign_words.txt` has these words: one table for each place in a text.
 """
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Collection, Iterable, Sequence

@@ -4,8 +4,6 @@
 it is one unless the next sign can only follow a name.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """Completion: what may stand at a place by the tables of the parser, and the names that fit there."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from lagc.base.records import dataclass

@@ -1,7 +1,5 @@
 """Facts about declarations and expressions, in words: values in SI, bounds, starts, expanded expressions."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from math import inf
 

@@ -3,8 +3,6 @@
 A fix is offered only after it was tried: the fault is gone, and there are not more errors than before.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from itertools import islice

@@ -1,7 +1,5 @@
 """The lexer of `.lag` texts for Pygments, which finds it by the entry point `pygments.lexers`."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

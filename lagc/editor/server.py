@@ -4,8 +4,6 @@ A key costs one parse, after PAUSE, and names and dimensions if they are found q
 in another process after REST without a key; it is ended when the text changes.
 """
 
-from __future__ import annotations
-
 import asyncio
 import json
 import os

@@ -1,7 +1,5 @@
 """The words of the language, from the tables of the compiler."""
 
-from __future__ import annotations
-
 from functools import cache
 
 from lagc.base.run_options import RUN_OPTIONS

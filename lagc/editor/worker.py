@@ -3,8 +3,6 @@
 It reads a JSON object from each line of standard input, and writes one for it.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys

@@ -1,7 +1,5 @@
 """Model files: from a name to a text."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Iterable, Sequence

@@ -1,7 +1,5 @@
 """Packages that a user may have installed."""
 
-from __future__ import annotations
-
 import sys
 from importlib.util import find_spec
 

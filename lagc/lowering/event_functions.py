@@ -5,8 +5,6 @@ varying arguments, powers with varying exponents, and quotients by divisors that
 a smooth step. Each is scaled so that 1 is large.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence, Set
 
 from lagc.base.records import replace

@@ -8,8 +8,6 @@ A step ends within round-off of a zero of g, and its stages go beyond. A power w
 its branch, as in max(0, x)^1.5, therefore uses the absolute value of the base.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from lagc.base.records import dataclass, replace

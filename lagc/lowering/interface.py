@@ -1,7 +1,5 @@
 """The Interface of a program: names, units, places and sizes, taken from the model."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import accumulate
 from math import inf

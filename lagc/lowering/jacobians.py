@@ -16,8 +16,6 @@ one function has what the stack changes by along a direction in all that it depe
 relations these are functions of modes too: they belong to the branch of the run.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 

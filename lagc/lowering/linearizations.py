@@ -13,8 +13,6 @@ tangent  (p,t,x,a,lam,dx,dp) -> dqdot[nq], dr[nv+nc]   of qdot and -(M a - f - G
 tied     (p,t,x,dx,dp)       -> c[nh+nc]               of phi and psi
 """
 
-from __future__ import annotations
-
 from lagc.base.records import replace
 from lagc.lowering.jacobians import condition_rows, entangled, groups, motion_by_entries, motion_by_sweeps
 from lagc.lowering.program import Function

@@ -1,7 +1,5 @@
 """Loads that depend on reactions: their forces beside the equations without them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

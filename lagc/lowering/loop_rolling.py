@@ -6,8 +6,6 @@ form a text with periods: sequences that repeat with the same edges among themse
 consecutive. No operation and no operand changes, so results have the same bits.
 """
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Iterator, Sequence

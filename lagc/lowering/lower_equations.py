@@ -1,7 +1,5 @@
 """optimize: EquationsOfMotion -> Program."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from lagc.base.records import replace

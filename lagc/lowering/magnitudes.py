@@ -4,8 +4,6 @@ A gradient through shared sums has an entry for each pair of a row and a leaf. I
 node to node instead, without its entries.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from lagc.symbolic.derivative import partial

@@ -1,7 +1,5 @@
 """The functions of a program besides the solve: one maker each, None where it does not exist."""
 
-from __future__ import annotations
-
 from collections.abc import Container, Iterable, Mapping, Sequence
 from typing import NamedTuple
 

@@ -12,8 +12,6 @@ R. E. Moore, Interval Analysis, Prentice-Hall 1966, chapter 11; A. Jorba, M. Zou
 (2005) 99-117, section 2; G. F. Corliss, Y. F. Chang, ACM Trans. Math. Software 8 (1982) 114-144.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 from lagc.base.records import replace

@@ -1,7 +1,5 @@
 """Where the symbols of the equations live in the arrays of generated functions."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 from lagc.base.records import dataclass

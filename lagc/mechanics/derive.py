@@ -87,6 +87,7 @@ def derive(model: Model) -> EquationsOfMotion:
             *_immovable_slip_warnings(states, kept, contacts),
             *_shared_reaction_warnings(states, dropped),
             *_doubled_weight_warnings(model),
+            *_idle_clause_warnings(model),
         ),
     )  # fmt: skip
 
@@ -100,6 +101,15 @@ def _doubled_weight_warnings(model: Model) -> Iterable[Fault]:
     from lagc.mechanics.lint.loads import doubled_weights  # loaded where there may be some
 
     return doubled_weights(model)
+
+
+def _idle_clause_warnings(model: Model) -> Iterable[Fault]:
+    """Return warnings of clauses that wait for what is true from the start."""
+    if not (model.whens and model.discretes):
+        return ()
+    from lagc.mechanics.lint.clauses import idle_clauses  # loaded where there may be some
+
+    return idle_clauses(model)
 
 
 def _cuts(states: States) -> tuple[tuple[Fault, ...], tuple[WhenEquations, ...]]:

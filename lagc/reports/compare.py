@@ -1,7 +1,5 @@
 """Scenes of a model side by side, as tables and as plain data."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """The report of `lagc cost`: a table, and one stand-alone page."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import isfinite
 from typing import Any

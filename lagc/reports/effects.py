@@ -1,7 +1,5 @@
 """The changes and costs of the effects of a scene, as a table, as plain data and as one page."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

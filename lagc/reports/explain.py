@@ -1,7 +1,5 @@
 """Facts that were inferred from a model: as plain data, and as text."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from typing import Any

@@ -1,7 +1,5 @@
 """The report of `lagc fit`: values with their intervals, as text and as plain data."""
 
-from __future__ import annotations
-
 from math import floor, inf, isfinite, log10
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The report of `lagc hard`: a table for a terminal and for documents, one case in words, plain data."""
 
-from __future__ import annotations
-
 from textwrap import fill
 from typing import Any
 

@@ -1,7 +1,5 @@
 """How the symbols of the equations are shown to people."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import chain, count

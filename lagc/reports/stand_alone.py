@@ -1,7 +1,5 @@
 """The page of a study: one file without network access or script, in the look of the pages of animations."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from html import escape
 

@@ -1,7 +1,5 @@
 """From MJCF to a `Robot`: what MuJoCo has compiled from it, read from the arrays of its model."""
 
-from __future__ import annotations
-
 from importlib import import_module
 from typing import Any
 

@@ -1,7 +1,5 @@
 """From a file to a `Robot`: its outermost element tells the format."""
 
-from __future__ import annotations
-
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host.model_library import Unreadable, content, decoded, standard_input
 from lagc.robots import urdf

@@ -4,8 +4,6 @@ Links that fixed joints connect become one body.  The drawing is the configurati
 zero.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Instantiation of a model: inheritance, effects, loops and nested instances."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from lagc.base.records import dataclass, replace

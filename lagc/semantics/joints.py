@@ -17,8 +17,6 @@ perfect constraint is the generalized force that holds the coordinate which its 
 section V.5).  The copy is derived once, for the outputs; it is never integrated.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from heapq import heappop, heappush

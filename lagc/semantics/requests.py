@@ -1,7 +1,5 @@
 """Requests of a run: the settings of a scene, the outputs to record, expressions over the finished run."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import inf
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """From the syntax tree to the Model: the sequence of the stages of this room."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar

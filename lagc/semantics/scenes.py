@@ -4,8 +4,6 @@ The last part lists all variants of a file that can be checked: its models, thei
 scene uses.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 
 from lagc.base.records import dataclass, replace

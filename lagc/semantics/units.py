@@ -5,8 +5,6 @@ Angles are numbers: rad is 1.  Factors to SI are exact ratios of integers (and p
 [cm] is 0.7 exactly rounded.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from functools import lru_cache

@@ -39,6 +39,7 @@ from lagc.simulation.verdict import (
     Verdict,
     fixed_step_verdict,
     redundancy,
+    sharing,
     spaced_verdict,
     verdict,
     verified_verdict,
@@ -104,6 +105,9 @@ def simulate(
     if result.status == "ok" and (trajectory.redundant_rows or _depend(system, trajectory)):
         note, open_reactions = redundancy(system, trajectory)
         notes.append(note)
+    if shared := tuple([system.interface.contacts[k].name for k in trajectory.shared_contacts]):
+        notes.append(sharing(shared))
+        open_reactions += shared
     return Solution(
         system=system,
         times=trajectory.times, states=trajectory.states, status=result.status, message=result.message,

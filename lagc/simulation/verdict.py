@@ -402,6 +402,13 @@ def _nearly_dependent(system: System, row: int, share: float) -> str:
             "and is not met; remove the constraint, or make it differ more")  # fmt: skip
 
 
+def sharing(contacts: Sequence[str]) -> str:
+    """A note on contacts that bear a load in many ways."""
+    named = ", ".join([f"`{name}`" for name in contacts])
+    return ("contacts bear a load in many ways: the motion is determined, but their forces are one choice of "
+            f"many, the smallest: {named}")  # fmt: skip
+
+
 def redundancy(system: System, trajectory: Trajectory) -> tuple[str, tuple[str, ...]]:
     """A note on the constraints that depend on others in a run, and those with reactions left open."""
     kept = _kept_share(system, trajectory)

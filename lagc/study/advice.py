@@ -1,7 +1,5 @@
 """The setting to take for a target: the law of the errors of a method, and the price of a setting."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from statistics import median

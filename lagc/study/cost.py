@@ -5,8 +5,6 @@ its conclusions: the settings that nothing beats, the law that connects toleranc
 setting to take for a target.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """The change by each effect alone, and the times of runs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np

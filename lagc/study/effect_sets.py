@@ -1,7 +1,5 @@
 """The cheapest set of effects for an accuracy."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations

@@ -4,8 +4,6 @@ A probe is one more C file beside the generated ones.  It exists for `double`, a
 results are returned as sums of two doubles.
 """
 
-from __future__ import annotations
-
 import ctypes
 from collections.abc import Callable, Mapping, Sequence
 from ctypes import c_double, c_int, c_long, c_size_t

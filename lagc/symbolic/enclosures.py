@@ -5,8 +5,6 @@ R. E. Moore, *Interval Analysis*, Prentice-Hall 1966.  Round-off is neglected.  
 wider than necessary; an unknown bound is `UNKNOWN` or not a number.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import TypeAlias

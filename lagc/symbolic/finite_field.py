@@ -9,8 +9,6 @@ Schwartz, *J. ACM* 27, 1980; R. Zippel, 1979).  Nothing is expanded, and a coeff
 any other.  Signs of roots are drawn with the point.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction

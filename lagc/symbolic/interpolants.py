@@ -4,8 +4,6 @@ Between two knots the function is a polynomial in the distance from the left kno
 table. Outside of the knots it is constant or linear.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from math import inf, nextafter

@@ -5,8 +5,6 @@ and its code in C or Python, its identities (`finite_field`) or its notation if 
 other functions.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, TypeAlias, TypeVar

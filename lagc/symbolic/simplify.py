@@ -5,8 +5,6 @@ other.  In this normal form an angle without influence does not occur.  If an an
 kept as written.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from math import comb
 

@@ -1,7 +1,5 @@
 """Expressions of SymPy, which is imported when it is used: a motion does not need it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Vectors of nodes or numbers and 3x3 matrices of nodes, as plain tuples (matrices by rows)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import frexp
 from typing import TypeAlias, TypeVar

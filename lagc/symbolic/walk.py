@@ -3,8 +3,6 @@
 All walks are loops, because `index` order is a topological order.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Container, Iterable, Mapping, Sequence
 from operator import attrgetter

@@ -5,8 +5,6 @@ plain data, so that a run does not need Lark.  If they are missing or belong to 
 checkout, they are made when first needed and stored in the cache.
 """
 
-from __future__ import annotations
-
 import marshal
 import os
 import sys

@@ -5,8 +5,6 @@ word `Real` is a unit, any other bracket begins subscripts.  The last part expla
 language does not use: Greek letters, signs of other alphabets, LaTeX, primes.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 

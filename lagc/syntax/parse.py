@@ -3,8 +3,6 @@
 Sections of equations, `within` and short classes are reported once each, with the line to write instead.
 """
 
-from __future__ import annotations
-
 import re
 
 from lagc.diagnostics.faults import Fault, Refused, Source, Span

@@ -1,7 +1,5 @@
 """The blocks in which each kind of declaration is allowed."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import Any
 

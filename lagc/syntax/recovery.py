@@ -5,8 +5,6 @@ Otherwise the declaration is skipped.  `explain` asks the functions of `_TABLE` 
 the mistake answers.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from lagc.base.records import replace

@@ -4,8 +4,6 @@ One method for each grammar rule (or its alias).  The parser calls it with the r
 for an optional one that is not written) and the span of the whole.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """A reader of animation pages that shares no code with lagc."""
 
-from __future__ import annotations
-
 import base64
 import json
 import re

@@ -1,8 +1,6 @@
 """Pages in a real browser, and the bundle against its sources.  Needs Node, the packages of `web/` (`npm ci`)
 and Chromium; each test is skipped by name without them."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Figures that a model declares: their sizes and places, and that nothing else depends on them."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any

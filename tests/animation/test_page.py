@@ -1,7 +1,5 @@
 """Pages: numbers against closed forms, texts that are markup, the policy, and all models of the library."""
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import html
@@ -91,6 +89,19 @@ def test_the_tension_is_that_of_the_closed_form(pendulum: Run) -> None:
     assert np.abs(np.linalg.norm(v, axis=1) - np.abs(pull)).max() < 1e-4 * size.max()
     weight = page.force("weight of bob", "weight")[1]
     assert weight[0] == pytest.approx([0.0, 0.0, -M * G], abs=1e-9)
+
+
+def test_the_force_of_a_potential_is_a_load_and_the_tension_beside_it_a_reaction() -> None:
+    """A torsion spring pushes the bob with k theta/l along its path; the rod pulls across it."""
+    text = PENDULUM.replace("  Gravity field;\n", "  potential twist = 1/2*3 [N.m/rad2]*theta^2;\n")
+    page = page_of(lagc.loads(text).compile(backend="numpy").simulate(2.0))
+    p, load = page.force("bob", "load")
+    theta = np.arctan2(p[:, 0], -p[:, 2])
+    exact = (-3.0 * theta / L * np.stack([np.cos(theta), 0.0 * theta, np.sin(theta)])).T
+    assert np.abs(load - exact).max() < 1e-3 * np.abs(exact).max()  # of 16 bits and of the places
+    across = np.abs(np.cross(p, page.force("bob")[1])).max()
+    assert across < 1e-3 * L * np.abs(exact).max()
+    assert {f["kind"] for f in page.data["forces"]} == {"load", "reaction"}
 
 
 def test_a_page_holds_both_sides_of_an_impact() -> None:

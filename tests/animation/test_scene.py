@@ -1,6 +1,5 @@
-"""The scene that a model implies, against what its author drew on paper."""
-
-from __future__ import annotations
+"""The scene that a model implies, against what its author drew on paper. The gallery of the documents against
+the library."""
 
 import math
 import re
@@ -146,3 +145,22 @@ def test_a_plane_is_drawn_where_a_round_solid_touches_it(name: str) -> None:
     """The gap is written for the centre, at the distance of the radius from the plane through the origin."""
     scene = lagc.load(name).compile(backend="numpy").simulate(stop=0.2, points=21, method="dop853").scene()
     assert [row.c for row in scene.surfaces if row.kind == "plane"] == [0.0]
+
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+MOST_BYTES = 100_000  # of a picture: the repository stays light
+
+
+def test_the_gallery_has_every_model_of_the_library_once() -> None:
+    text = (DOCS / "gallery.md").read_text(encoding="utf-8")
+    named = re.findall(r"^\*\*\[(\S+)\]\(\.\./models/(\S+)\.lag\)\*\*", text, re.MULTILINE)
+    assert [name for name, _ in named] == [path for _, path in named] == library_models()
+
+
+def test_its_pictures_are_there_and_small() -> None:
+    text = (DOCS / "gallery.md").read_text(encoding="utf-8")
+    pictures = re.findall(r"!\[.*?\]\((\S+)\)", text)
+    assert {Path(picture).stem for picture in pictures} == {
+        name.partition("/")[0] for name in library_models()
+    }
+    assert all(0 < (DOCS / picture).stat().st_size < MOST_BYTES for picture in pictures)

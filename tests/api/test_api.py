@@ -1,7 +1,5 @@
 """The Python interface."""
 
-from __future__ import annotations
-
 import functools
 import json
 import math
@@ -56,12 +54,6 @@ def test_parameters_change_without_compiling_again(pendulum: lagc.CompiledModel)
     assert pendulum.system is system
     # columns are computed with the parameters of their own run, whatever came after
     assert a["E"][0] == pytest.approx(-9.81 * 0.25 * 0.5)
-
-
-def test_the_period_of_a_small_swing(pendulum: lagc.CompiledModel) -> None:
-    period = 2.0 * math.pi * math.sqrt(0.5 / 9.81)
-    run = pendulum.simulate(stop=period, starts={"theta": 1e-4}, accuracy=1e-9)
-    assert run["theta"][-1] == pytest.approx(1e-4, rel=1e-8)
 
 
 def test_the_right_hand_side_serves_other_integrators(pendulum: lagc.CompiledModel) -> None:
@@ -190,9 +182,10 @@ def test_starts_have_units_and_names_may_be_one(pendulum: lagc.CompiledModel) ->
 
 
 def test_half_a_motion_has_no_linear_model(pendulum: lagc.CompiledModel) -> None:
-    pendulum.linearize(1.0)  # its code is written before the time is limited
-    with pytest.raises(lagc.Refused, match="LAG0801: the run took longer"), lagc.Limits(time=0.3):
-        pendulum.linearize(1e9)
+    with pytest.raises(lagc.Refused, match="LAG0801: the run took longer"), lagc.Limits(time=3600.0) as block:
+        pendulum.linearize(
+            1e9, progress=lambda t: setattr(block, "end", 0.0)
+        )  # the time is up within the run
 
     def interrupted(t: float) -> None:
         raise KeyboardInterrupt
@@ -298,15 +291,6 @@ def test_a_notebook_shows_equations_and_plots(pendulum: lagc.CompiledModel) -> N
     assert long == "9 equations; `lagc equations` prints them"
     pytest.importorskip("matplotlib")
     assert "<" in pendulum.simulate(stop=1)._repr_html_()
-
-
-@needs_c
-def test_both_backends_give_the_same_bits() -> None:
-    model = lagc.load("simple_pendulum")
-    runs = [model.compile(scene="room", backend=b).simulate(stop=5, accuracy=1e-9) for b in ("c", "numpy")]
-    assert runs[0].states == runs[1].states
-    assert runs[0].estimated == runs[1].estimated and runs[0].cost.rhs == runs[1].cost.rhs
-    assert runs[0].energy == runs[1].energy
 
 
 @needs_c

@@ -1,7 +1,5 @@
 """The benchmarks: hand-written equations for other tools are those of the models; a short run."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -1,7 +1,5 @@
 """Expressions over a finished run, against closed forms and outputs of the same text."""
 
-from __future__ import annotations
-
 import math
 import pickle
 from pathlib import Path

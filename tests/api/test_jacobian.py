@@ -1,7 +1,5 @@
 """Derivatives in Python, against closed forms."""
 
-from __future__ import annotations
-
 import math
 import pickle
 

@@ -1,7 +1,5 @@
 """A motion that is advanced call by call: the bits of the generated C, closed forms, events, copies."""
 
-from __future__ import annotations
-
 import math
 import shutil
 import subprocess

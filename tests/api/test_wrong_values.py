@@ -1,7 +1,5 @@
 """What makes no sense in Python is refused at once, by the exceptions that Python has for it."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """What is kept belongs to the sources of lagc that made it."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The other commands: what they print and write, and their exit codes."""
 
-from __future__ import annotations
-
 import io
 import json
 import os
@@ -109,11 +107,6 @@ def test_standard_input_is_read_once(capsys: Capture) -> None:
     assert "once" in capsys.readouterr().err
 
 
-def test_check_of_a_missing_file_is_wrong_usage(capsys: Capture) -> None:
-    assert main(["check", "nofile.lag"]) == 2
-    assert main(["check"]) == 2
-
-
 def test_check_goes_on_after_a_missing_file(tmp_path: Path, capsys: Capture) -> None:
     path = tmp_path / "wrong.lag"
     path.write_text(WRONG)
@@ -138,19 +131,6 @@ def test_build_writes_files_with_the_values_given(
     found = json.loads(capsys.readouterr().out)
     assert {Path(f).name for f in found["files"]} == {f.name for f in folder.iterdir()} == files
     assert any("0.9" in f.read_text() for f in folder.iterdir())
-
-
-def test_a_built_module_needs_no_lagc(pendulum: str, tmp_path: Path, capsys: Capture) -> None:
-    assert main(["build", pendulum, "--target", "numpy", "-o", str(tmp_path), "-q"]) == 0
-    program = (
-        "import sys; sys.modules['lagc'] = None; import swing; "
-        "print(swing.rhs(0.0, [0.5, 0.0][:swing.NX] + [0.0]*(swing.NX - 2)))"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, timeout=60
-    )
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("[0.0, -9.4")  # -g/l sin(0.5) = -9.406
 
 
 @pytest.mark.parametrize("where", ["taken", "taken/below/it", "./taken"])
@@ -180,24 +160,6 @@ def test_every_command_refuses_a_missing_file(capsys: Capture) -> None:
         assert main([name, "nofile.lag"]) == 2, name
         captured = capsys.readouterr()
         assert "nofile.lag" in captured.out + captured.err
-
-
-def test_a_start_that_contradicts_itself_refuses_the_model(tmp_path: Path, capsys: Capture) -> None:
-    path = tmp_path / "off.lag"
-    path.write_text(
-        "model Off\n  coordinate Length x(start = 1 [m], fixed = true), y;\n"
-        "  body b = Particle(mass = 1 [kg], at = {x, y, 0});\n"
-        "  constraint wall: x = 2 [m];\nend Off;\n"
-    )
-    assert main(["sim", str(path), "--backend", "numpy"]) == 1
-    said = capsys.readouterr().err
-    assert "LAG0610" in said and "`wall`" in said and "`x`" in said
-
-
-def test_a_reader_that_goes_away_is_no_error() -> None:
-    command = f"{sys.executable} -m lagc equations simple_pendulum | head -c 1"
-    done = subprocess.run(command, shell=True, capture_output=True, text=True, timeout=60)
-    assert "Traceback" not in done.stderr and "internal error" not in done.stderr
 
 
 UGLY = "model  A\ncoordinate Length x;// c\nbody b=Particle(mass=1[kg],at={x,0,0});end A;"

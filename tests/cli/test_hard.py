@@ -1,7 +1,5 @@
 """`lagc hard`: what it prints, its exit codes, its files, and what Ctrl-C leaves."""
 
-from __future__ import annotations
-
 import json
 import shlex
 from importlib import import_module

@@ -1,7 +1,5 @@
 """Text of models and of the command line never steers a terminal, nor breaks a line, a file or a format."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

@@ -1,7 +1,5 @@
 """Limits of time and memory: the stage is named, what was computed is kept, and nothing is left behind."""
 
-from __future__ import annotations
-
 import csv
 import importlib
 import json
@@ -290,15 +288,10 @@ def test_limits_of_any_size(spring: str, exponent: int, capsys: pytest.CaptureFi
 @pytest.mark.parametrize(
     "words",
     [
-        ["--stop", "1e300"],
-        ["--stop", "1e306"],
-        ["--stop", "1.7e308"],
-        ["--stop", "1e100"],
-        ["-p", "m=1e-300"],
-        ["-p", "k=1e300"],
-        ["--step", "1e-320"],
+        ["--stop", "1e300"], ["--stop", "1e306"], ["--stop", "1.7e308"], ["--stop", "1e100"],
+        ["-p", "m=1e-300"], ["-p", "k=1e300"], ["--step", "1e-320"],
     ],
-)
+)  # fmt: skip
 def test_a_run_of_more_steps_than_any_says_so(
     spring: str, words: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:

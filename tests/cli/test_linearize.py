@@ -1,7 +1,5 @@
 """`lagc linearize`: what it prints, writes and draws."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """The words of a command line."""
 
-from __future__ import annotations
-
 import inspect
 import random
 import re
@@ -101,11 +99,6 @@ def test_the_overview_lists_every_command(capsys: pytest.CaptureFixture[str]) ->
     assert all(f"  {name} " in shown for name in COMMANDS)
 
 
-def test_an_unknown_command_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["smi"]) == 2
-    assert "did you mean `sim`" in capsys.readouterr().err
-
-
 def test_an_unknown_option_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "--nonsense"]) == 2
     assert "--nonsense" in capsys.readouterr().err
@@ -138,11 +131,6 @@ def test_what_is_wrong_in_a_command_is_not_the_model(
 ) -> None:
     assert main(["sim", "simple_pendulum", *words]) == 2
     assert " --> <" in capsys.readouterr().err
-
-
-def test_what_is_no_file_is_not_laid_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["fmt", str(tmp_path)]) == 2 and "is not a regular file" in capsys.readouterr().err
-    assert main(["fmt", str(tmp_path / "a.lag")]) == 2 and "there is no file" in capsys.readouterr().err
 
 
 def test_what_a_run_reads_it_does_not_write_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

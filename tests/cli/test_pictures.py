@@ -1,7 +1,5 @@
 """`lagc sim --animate --overlay --show`, and expressions of `--output`."""
 
-from __future__ import annotations
-
 import csv
 import json
 import subprocess

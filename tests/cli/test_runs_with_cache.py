@@ -1,7 +1,5 @@
 """Whatever is done to the cache, runs give what they give without it, bit for bit."""
 
-from __future__ import annotations
-
 import json
 import os
 import random

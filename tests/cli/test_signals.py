@@ -3,8 +3,6 @@
 LAGC_KILLS is the number of signals (10 where it is not set).
 """
 
-from __future__ import annotations
-
 import json
 import os
 import random

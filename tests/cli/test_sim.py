@@ -1,16 +1,12 @@
 """`lagc sim`: options, JSON, files, exit codes, and a line for every broken input."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json
 import math
 import re
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -146,14 +142,6 @@ def test_a_parquet_file_reads_back(tmp_path: Path) -> None:
     assert table.schema.field("theta").metadata[b"unit"] == b"rad"
 
 
-@pytest.mark.full
-def test_a_picture_is_drawn(tmp_path: Path) -> None:
-    pytest.importorskip("matplotlib")
-    path = tmp_path / "run.png"
-    assert sim(PENDULUM, "-q", "--plot", str(path)) == 0
-    assert path.read_bytes().startswith(b"\x89PNG")
-
-
 def test_a_model_is_read_from_standard_input(monkeypatch: pytest.MonkeyPatch) -> None:
     class Stdin:
         buffer = io.BytesIO(FALLING.encode())
@@ -272,35 +260,6 @@ def test_a_refused_model_exits_1_with_its_place(tmp_path: Path, capsys: pytest.C
     assert sim(str(path), "--json") == 1
     found = json.loads(capsys.readouterr().out)
     assert found["status"] == "refused" and found["faults"][0]["code"].startswith("LAG0")
-
-
-def test_a_damaged_cache_is_no_obstacle(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("LAGC_CACHE", str(tmp_path))
-    assert sim(PENDULUM, "-q") == 0
-    for path in tmp_path.rglob("*"):
-        if path.is_file():
-            path.write_bytes(b"nonsense")
-    assert sim(PENDULUM, "-q") == 0
-
-
-def test_no_cache_is_no_obstacle(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("LAGC_CACHE", "")
-    assert sim(PENDULUM, "-q") == 0
-
-
-@pytest.mark.full
-@pytest.mark.skipif(sys.platform == "win32", reason="signals")
-def test_ctrl_c_keeps_what_was_computed(tmp_path: Path) -> None:
-    out = tmp_path / "run.csv"
-    options = "--backend numpy --stop 1e5 --rtol 1e-12 --max-time none --every 1"
-    words = ["sim", PENDULUM, *options.split(), "-o", str(out)]
-    process = subprocess.Popen([sys.executable, "-m", "lagc", *words], stdout=subprocess.PIPE, text=True)
-    time.sleep(3.0)
-    process.send_signal(signal.SIGINT)
-    shown, _ = process.communicate(timeout=60)
-    assert process.returncode == 130
-    assert "interrupted at t =" in shown
-    assert len(out.read_text().splitlines()) > 2
 
 
 @pytest.mark.sample(1)

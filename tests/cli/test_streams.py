@@ -1,7 +1,5 @@
 """Standard streams that are closed, full, or that nobody reads: what was asked for is done, and said."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """Results whose place cannot be written in the end are kept under another name, which is said."""
 
-from __future__ import annotations
-
 import errno
 import os
 import re

@@ -3,8 +3,6 @@
 A picture is refused before the computation; a page is written without it.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import shlex

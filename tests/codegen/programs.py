@@ -1,7 +1,5 @@
 """Small Programs built by hand, and random ones over all operations."""
 
-from __future__ import annotations
-
 import random
 from typing import Any
 

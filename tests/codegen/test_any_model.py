@@ -1,7 +1,5 @@
 """What callers of any model rely on: functions that exist everywhere, tables of members, CMake, --only."""
 
-from __future__ import annotations
-
 import ctypes
 import json
 import os

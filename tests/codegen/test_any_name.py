@@ -1,7 +1,5 @@
 """Any name works: those of the headers of C, C++ and POSIX, of Python, of LaTeX, and random ones."""
 
-from __future__ import annotations
-
 import ast
 import builtins
 import keyword

@@ -1,7 +1,5 @@
 """Generated C compiles with any C99 or C++ compiler, without warnings or undefined behaviour."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,8 +1,6 @@
 """Generated C and Python refuse every option, time, parameter and pointer that is not valid, with its
 name."""
 
-from __future__ import annotations
-
 import math
 import subprocess
 from functools import cache

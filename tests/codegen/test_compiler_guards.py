@@ -1,7 +1,5 @@
 """Compiler options that change the arithmetic are refused, or do not change the results."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Derivatives in generated code: C and Python agree bit by bit; without the option there are none."""
 
-from __future__ import annotations
-
 import ctypes
 import importlib.util
 import random

@@ -3,8 +3,6 @@
 A sample of models; `python -m tests.supply generated` asks for all of the library.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

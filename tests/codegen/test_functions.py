@@ -1,7 +1,5 @@
 """Functions printed in C and in Python compute the same bits."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 import random
@@ -33,22 +31,8 @@ FLAGS = [
 ]  # fmt: skip
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 HARD = [
-    0.0,
-    -0.0,
-    1.0,
-    -1.0,
-    0.5,
-    -0.5,
-    2.0,
-    1e308,
-    -1e308,
-    1e-310,
-    math.inf,
-    -math.inf,
-    math.nan,
-    710.0,
-    -7.5,
-]
+    0.0, -0.0, 1.0, -1.0, 0.5, -0.5, 2.0, 1e308, -1e308, 1e-310, math.inf, -math.inf, math.nan, 710.0, -7.5,
+]  # fmt: skip
 
 
 def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], ctypes.CDLL]:

@@ -1,7 +1,5 @@
 """Texts that mirror the kernels agree with them: options, statuses, documentation."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any
@@ -73,10 +71,6 @@ def test_docs_name_what_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in re.findall(r"`NAME_([A-Z]\w*)", generated):
         assert any(re.search(rf"\b{owns}_{name}\b", text) for text in texts), name
     words = set(re.findall(r"`(?!NAME_)([A-Z]{2}[A-Z_]*)`", generated)) - {
-        "NULL",
-        "BOUNDS",
-        "STACK",
-        "PATTERNS",
-        "PARAMETERS",
-    }
+        "NULL", "BOUNDS", "STACK", "PATTERNS", "PARAMETERS",
+    }  # fmt: skip
     assert len(words) > 4 and words <= {name for name in vars(statuses) if name.isupper()}

@@ -1,8 +1,6 @@
 """The kernel language: constructs outside of the subset are refused; others mean the same in C, in printed
 Python, and in the source."""
 
-from __future__ import annotations
-
 import ast
 import contextlib
 import ctypes
@@ -350,16 +348,9 @@ def _same(one: list[float], other: list[float]) -> bool:
 
 def _as_it_stands(straight: bool) -> dict[str, Any]:
     space: dict[str, Any] = {
-        "NX": 4,
-        "NC": 1,
-        "NZ": 0,
-        "STRAIGHT": straight,
-        "Vec": dict,
-        "Real": float,
-        "Pair": tuple,
-        "Any": Any,
-        "whole": int,
-    }
+        "NX": 4, "NC": 1, "NZ": 0, "STRAIGHT": straight, "Vec": dict, "Real": float, "Pair": tuple,
+        "Any": Any, "whole": int,
+    }  # fmt: skip
     more = "def vector(n):\n    return [0.0] * n\ndef part(v, a, b):\n    return v[a:b]\n"
     text = MEANS.replace("own[i] / b[i]", "quotient(own[i], b[i])")
     exec(ARITHMETIC + more + re.sub(r": Vec\[NX\]", "", text), space)

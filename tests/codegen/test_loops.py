@@ -1,7 +1,5 @@
 """Functions with loops compute their operations, in C and in Python, to the last bit."""
 
-from __future__ import annotations
-
 import math
 import random
 from pathlib import Path

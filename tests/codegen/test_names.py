@@ -1,7 +1,5 @@
 """Names of users become identifiers of C and Python."""
 
-from __future__ import annotations
-
 import keyword
 import re
 from pathlib import Path
@@ -114,14 +112,10 @@ def test_comment_that_becomes_an_end_by_removal() -> None:
 @pytest.mark.parametrize(
     ("model", "expected"),
     [
-        ("Pendulum", "pendulum"),
-        ("Math", "math_model"),
-        ("Or", "or_model"),
-        ("Aux", "aux_model"),
-        ("Ω", "omega"),
-        ("FourBar2D", "four_bar2_d"),
+        ("Pendulum", "pendulum"), ("Math", "math_model"), ("Or", "or_model"), ("Aux", "aux_model"),
+        ("Ω", "omega"), ("FourBar2D", "four_bar2_d"),
     ],
-)
+)  # fmt: skip
 def test_prefix(model: str, expected: str) -> None:
     assert prefix(model) == expected
 

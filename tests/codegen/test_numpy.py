@@ -1,7 +1,5 @@
 """Generated Python modules: they need no other module, and compute the same bits as generated C."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 import random

@@ -1,7 +1,5 @@
 """Generated C for other types of reals: float to its own accuracy, quad against many digits."""
 
-from __future__ import annotations
-
 import os
 import random
 import shutil

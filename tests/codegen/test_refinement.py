@@ -1,7 +1,5 @@
 """Right-hand sides with iterative refinement, for residuals above round-off."""
 
-from __future__ import annotations
-
 import ctypes
 import sys
 import types

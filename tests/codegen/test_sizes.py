@@ -1,8 +1,6 @@
 """The size of generated code is proportional to that of the model, counted in operations, accesses and
 characters."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 

@@ -4,8 +4,6 @@ LAGC_POINTS asks for more points of each of 16 ranges than are enough to see a m
 compilers; 700,000 take minutes.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import math
 import os

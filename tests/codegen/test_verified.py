@@ -1,7 +1,5 @@
 """Runs of generated code that estimate their own error, against closed forms."""
 
-from __future__ import annotations
-
 import subprocess
 from math import cos, inf, sin, sqrt
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Compiling what was rendered."""
 
-from __future__ import annotations
-
 import importlib.util
 import shutil
 import struct

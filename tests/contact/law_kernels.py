@@ -1,7 +1,5 @@
 """The contact kernels alone, compiled from their C text or run as their Python text."""
 
-from __future__ import annotations
-
 import ctypes
 import subprocess
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """Random mechanisms and bodies on rough floors: models with parameters, and draws of their values."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from random import Random

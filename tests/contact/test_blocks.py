@@ -1,7 +1,5 @@
 """Contacts of systems that do not depend on each other: each moves as it does alone."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from types import CodeType
@@ -10,6 +8,7 @@ from typing import Any
 import pytest
 
 import lagc
+from lagc.api import Run
 from lagc.simulation.backends import python
 
 BACKENDS = ["numpy", pytest.param("c", marks=pytest.mark.full)]
@@ -35,7 +34,7 @@ end Balls;
 """
 
 
-def _run(text: str, backend: str = "numpy", **values: Any) -> lagc.Run:
+def _run(text: str, backend: str = "numpy", **values: Any) -> Run:
     compiled = lagc.loads(text).compile(backend=backend)
     run = compiled.simulate(method="dop853", rtol=1e-9, points=3, **values)
     assert run.status == "ok"

@@ -1,7 +1,5 @@
 """Friction that cannot be is refused; what it couples and what it spoils is told."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

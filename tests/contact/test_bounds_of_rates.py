@@ -1,7 +1,5 @@
 """Bounds of velocities: one-way clutches and ratchets, against closed forms."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Dry friction along a surface, against closed forms, and what is refused."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
@@ -86,15 +84,6 @@ def test_a_ball_with_spin_slips_on_a_parabola_and_rolls(
     t, end = rolls.t, run.t[-1]
     path = np.array([v, 0.0]) * t - 0.5 * mu * G * slip / speed * t**2 + final * (end - t)
     assert [run.final["x"], run.final["y"]] == pytest.approx(path, abs=1e-7)
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("name", ["thrown_across", "billiard"])
-def test_both_backends_give_the_same_bits(name: str) -> None:
-    one, other = (
-        lagc.load(name).compile(backend=backend).simulate(rtol=1e-8, points=9) for backend in ("numpy", "c")
-    )
-    assert one.states == other.states and one.events == other.events
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """Impacts with restitution and friction: closed forms, the laws themselves, and energy."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Impulses of contacts as variables, and discrete variables beside contacts: closed forms."""
 
-from __future__ import annotations
-
 import json
 import math
 

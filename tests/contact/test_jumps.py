@@ -1,12 +1,11 @@
 """Bounds that jump or bend, and new values beside contacts, against closed forms."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
 
 import lagc
+from lagc.api import Run
 from lagc.diagnostics.faults import Refused
 
 BACKENDS = ["numpy", pytest.param("c", marks=pytest.mark.full)]
@@ -20,7 +19,7 @@ def _run(
     mass: str = "1 [kg]",
     z: float = 0.0,
     vx: float = 0.0,
-) -> lagc.Run:
+) -> Run:
     model = f"""model M
       coordinate Length x(rate = {vx} [m/s]), z(start = {z} [m]);
       Gravity field(g = 9.81 [m/s2]);
@@ -33,7 +32,7 @@ def _run(
     return lagc.loads(model).compile(backend=backend).simulate()
 
 
-def _acts(run: lagc.Run, contact: str) -> list[tuple[str, float]]:
+def _acts(run: Run, contact: str) -> list[tuple[str, float]]:
     return [(event.kind, event.t) for event in run.events if event.contact == contact]
 
 

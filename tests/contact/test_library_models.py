@@ -1,7 +1,5 @@
 """Models of the library with contacts, against closed forms and integrations of their own."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
@@ -10,6 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import lagc
+from lagc.api import Run
 from lagc.host import model_library
 
 pytestmark = pytest.mark.full
@@ -42,7 +41,7 @@ def _impacts(theta: float) -> list[float]:
     return times
 
 
-def _block(backend: str, law: str = "", scene: str = "few", **given: Any) -> lagc.Run:
+def _block(backend: str, law: str = "", scene: str = "few", **given: Any) -> Run:
     text = model_library.read("rocking_block").text.replace("(friction = mu", f"({law}friction = mu")
     model = lagc.loads(text).compile(backend=backend, scene=scene)
     return model.simulate(parameters=given.pop("parameters", {}), **{"accuracy": 1e-9, **given})

@@ -1,7 +1,5 @@
 """Linear models of what touches, against closed forms and differences of the rates in the same mode."""
 
-from __future__ import annotations
-
 import json
 from math import cos, radians
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Loads of reactions and servo constraints beside contacts: closed forms, and equations by hand."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from typing import Any

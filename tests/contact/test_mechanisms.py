@@ -1,7 +1,5 @@
 """Random mechanisms and bodies on rough floors end within their estimate or by name, and gain no energy."""
 
-from __future__ import annotations
-
 from random import Random
 
 import pytest

@@ -1,13 +1,12 @@
 """Poisson's law of impact, `law = poisson`, against closed forms and Newton's law."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
 import pytest
 
 import lagc
+from lagc.api import Run
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
 from lagc.host import model_library
@@ -21,7 +20,7 @@ def _matrix(a: float) -> tuple[float, float, float]:
     return 1.0 + 3.0 * c * c, 1.0 + 3.0 * s * s, -3.0 * s * c
 
 
-def _rod(backend: str = "numpy", newton: bool = False, **values: Any) -> lagc.Run:
+def _rod(backend: str = "numpy", newton: bool = False, **values: Any) -> Run:
     text = model_library.read("rod_on_its_tip").text
     model = lagc.loads(text.replace("law = poisson", "law = newton") if newton else text)
     return model.compile(backend=backend).simulate(0.01, rtol=1e-9, parameters=values)

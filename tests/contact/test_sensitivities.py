@@ -1,7 +1,5 @@
 """Sensitivities beside contacts, to the first event of one, against closed forms and differences of runs."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The law of contact with dry friction, against enumeration in NumPy, closed forms, and its conditions."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import shutil

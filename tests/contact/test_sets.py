@@ -1,7 +1,5 @@
 """Sets of contacts that share a load: they hold it as long as some forces within their friction cones do."""
 
-from __future__ import annotations
-
 import math
 import shutil
 from collections.abc import Sequence
@@ -14,6 +12,7 @@ import pytest
 from scipy.optimize import linprog
 
 import lagc
+from lagc.api import Run
 from tests.contact.law_kernels import FOUND, KERNELS, ONE, STICKS, fill, in_python, values
 
 Array = Any
@@ -40,11 +39,11 @@ def _compiled(text: str, backend: str) -> Any:
     return lagc.loads(text).compile(backend=backend)
 
 
-def _box(force: str, backend: str, stop: float, **parameters: float) -> lagc.Run:
+def _box(force: str, backend: str, stop: float, **parameters: float) -> Run:
     return _compiled(BOX + force + CORNERS, backend).simulate(stop, parameters=parameters)
 
 
-def _told(run: lagc.Run) -> list[str]:
+def _told(run: Run) -> list[str]:
     return [event.name for event in run.events if event.kind in ("slips", "sticks", "opens")]
 
 
@@ -212,6 +211,31 @@ def check(kernels: dict[str, Any], chance: Any, space: bool, flat: bool) -> bool
     elif holds < -(1e-3 if space else 1e-9) * size:
         assert code not in (ONE, FOUND) or moves
     return holds > 0.0
+
+
+LADDER = """model Ladder
+  parameter Real mu = 0.9;
+  coordinate Length x(start = 1 [m]*cos(65 [deg])), y(start = 1 [m]*sin(65 [deg]));
+  coordinate Angle phi(start = 65 [deg]);
+  frame F = rotate_z(world, -phi);
+  body ladder = Solid(mass = 8 [kg], inertia = {0, 1, 1}, frame = F, com = {x, y, 0});
+  point A = {x, y, 0} - 1 [m]*F.x;
+  point B = {x, y, 0} + 1 [m]*F.x;
+  constraint wall: A.x >= 0 (friction = mu, at = A);
+  constraint floor: B.y >= 0 (friction = mu, at = B);
+  Gravity field(direction = {0, -1, 0});
+end Ladder;
+"""
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_forces_that_are_one_choice_of_many_are_named(backend: str) -> None:
+    """A ladder that rests on two rough contacts is statically indeterminate; one that slides is not."""
+    model = lagc.loads(LADDER).compile(backend=backend)
+    resting, sliding = (model.simulate(0.2, parameters={"mu": mu}) for mu in (0.9, 0.1))
+    (note,) = [note for note in resting.notes if "one choice of many" in note]
+    assert note.endswith("`wall`, `floor`") and resting.open_reactions == ("wall", "floor")
+    assert not [note for note in sliding.notes if "one choice of many" in note] and not sliding.open_reactions
 
 
 @pytest.mark.sample(1)

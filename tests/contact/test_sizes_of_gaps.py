@@ -1,19 +1,18 @@
 """Each gap has its own size: nothing of a contact depends on the size of another quantity."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
 
 import lagc
+from lagc.api import Run
 from lagc.diagnostics.faults import Refused
 
 BACKENDS = ["numpy", pytest.param("c", marks=pytest.mark.full)]
 G = 9.81
 
 
-def _run(text: str, stop: float, backend: str = "numpy", accuracy: float = 1e-6) -> lagc.Run:
+def _run(text: str, stop: float, backend: str = "numpy", accuracy: float = 1e-6) -> Run:
     scene = f"scene s\n simulate(stop = {stop} [s], accuracy = {accuracy});\nend s;"
     return lagc.loads(f"model M\n{text}\n{scene}\nend M;").compile(backend=backend).simulate()
 

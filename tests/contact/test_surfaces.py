@@ -1,10 +1,9 @@
 """The slip of `at` against the explicit `slip` of the same model: surfaces in turned and moving frames."""
 
-from __future__ import annotations
-
 import pytest
 
 import lagc
+from lagc.api import Run
 
 SCENE = "scene s\n  simulate(stop = 1 [s], accuracy = 1e-9);\nend s;"
 
@@ -114,7 +113,7 @@ MODELS = {
 }
 
 
-def _run(text: str, slip: str, backend: str = "numpy") -> lagc.Run:
+def _run(text: str, slip: str, backend: str = "numpy") -> Run:
     parts = text.replace("@", slip)
     model = f"model M\n{parts}\nGravity field(g = 9.81 [m/s2]);\n{SCENE}\nend M;"
     return lagc.loads(model).compile(backend=backend).simulate()

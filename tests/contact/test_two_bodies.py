@@ -1,7 +1,5 @@
 """Friction between bodies that both move, and on surfaces that turn, against closed forms."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

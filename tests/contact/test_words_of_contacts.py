@@ -1,7 +1,5 @@
 """What is said about contacts: remedies, the order of events, the work of an effect of contacts."""
 
-from __future__ import annotations
-
 import pytest
 
 import lagc

@@ -1,7 +1,5 @@
 """The methods have the orders of their tableaus: order conditions, and measured orders."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Radau IIA of order 5: its coefficients, and the order of its steps with and without a constraint."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from math import log2
 from typing import Any

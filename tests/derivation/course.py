@@ -1,7 +1,5 @@
 """The exercises of `docs/course.md`: their models, and the rows of their tables."""
 
-from __future__ import annotations
-
 import re
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Along a run the terms of a solution balance: accelerations of the run, multipliers by least squares."""
 
-from __future__ import annotations
-
 import pytest
 
 import lagc

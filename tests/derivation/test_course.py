@@ -1,7 +1,5 @@
 """The exercises of `docs/course.md`: the formulas of derivations against those of the books, by SymPy."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

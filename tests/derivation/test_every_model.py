@@ -1,8 +1,6 @@
 """Each solution of the library: every formula has the value of its expression, the terms add up to the
 equations of motion, and the last lines are those of `lagc equations`."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from math import isfinite

@@ -1,7 +1,5 @@
 """The list of implicit constraints is right, or is not shown."""
 
-from __future__ import annotations
-
 import pytest
 
 from lagc.reports.derivation.draft import Draft

@@ -1,8 +1,6 @@
 """The comparison of formulas with their expressions sees a wrong sign in each of them, and the sum of all
 terms sees one that is missing."""
 
-from __future__ import annotations
-
 import pytest
 
 from lagc.base.records import replace

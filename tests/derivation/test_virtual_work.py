@@ -1,8 +1,6 @@
 """Generalized forces against differences of virtual work in 90 digits: displacements of points and turns of
 frames by central differences, potentials and dissipation functions by differences of their values."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """The values of formulas in a solution, and of the expressions that they stand for."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from functools import cache

@@ -1,7 +1,5 @@
 """Every code that lagc can say is explained, and its examples do what they say."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Faults as a person sees them: whole reports, letter by letter."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

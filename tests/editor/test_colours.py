@@ -1,7 +1,5 @@
 """Colours against the words, units and comments of the parser; the grammar of the folder `editors`."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Answers about one text: names, hover, completion, rename, fixes."""
 
-from __future__ import annotations
-
 import random
 import subprocess
 import sys
@@ -35,20 +33,15 @@ def hover(place: str, shift: int = 0, text: str = PENDULUM) -> str:
 @pytest.mark.parametrize(
     ("place", "shift", "words"),
     [
-        ("l*{", 0, ("string length", "= 0.5 m")),
-        ("m(min", 0, ("parameter Mass", "= 1 kg (min 0)")),
+        ("l*{", 0, ("string length", "= 0.5 m")), ("m(min", 0, ("parameter Mass", "= 1 kg (min 0)")),
         ("theta), 0", 0, ("from the vertical", "generalized coordinate [rad]", "rate `0`")),
         ("bob", 0, ("mass `m` kg", "`{l*sin(theta), 0, -l*cos(theta)}`")),
-        ("[cm]", 1, ("`cm` = 0.01 in SI", "Length [m]")),
-        ("*l^2", 0, ("Energy [J]",)),
-        ("60 [deg]", 0, ("a number: 1.0471975512",)),
-        ("Particle", 0, ("Particle(mass, at)",)),
-        ("sin", 0, ("sin(",)),
-        ("Angle", 0, ("`rad`",)),
-        ("E =", 0, ("[J] = `", "der(theta)^2")),
+        ("[cm]", 1, ("`cm` = 0.01 in SI", "Length [m]")), ("*l^2", 0, ("Energy [J]",)),
+        ("60 [deg]", 0, ("a number: 1.0471975512",)), ("Particle", 0, ("Particle(mass, at)",)),
+        ("sin", 0, ("sin(",)), ("Angle", 0, ("`rad`",)), ("E =", 0, ("[J] = `", "der(theta)^2")),
         ("Pendulum", 0, ("coordinates: 1", "scenes: lab")),
     ],
-)
+)  # fmt: skip
 def test_hover_tells_values_and_units(place: str, shift: int, words: tuple[str, ...]) -> None:
     text = hover(place, shift)
     assert all(word in text for word in words), text

@@ -1,7 +1,5 @@
 """`%load_ext lagc` in IPython."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """`lagc lsp` and a client, over pipes."""
 
-from __future__ import annotations
-
 import asyncio
 import sys
 from collections.abc import Awaitable, Callable

@@ -1,7 +1,5 @@
 """Texts of models, whole and damaged."""
 
-from __future__ import annotations
-
 import random
 from functools import cache
 from pathlib import Path
@@ -25,21 +23,8 @@ PENDULUM = """model Pendulum "µ: two bytes, 𝜃: two units of UTF-16"
 end Pendulum;
 """
 PIECES = (
-    "",
-    "(",
-    "}",
-    ";",
-    " end ",
-    '"',
-    "[",
-    "l*",
-    "parameter ",
-    "for i in 1:",
-    "µ",
-    ".",
-    "when x then",
-    "/*",
-)
+    "", "(", "}", ";", " end ", '"', "[", "l*", "parameter ", "for i in 1:", "µ", ".", "when x then", "/*",
+)  # fmt: skip
 
 
 @cache

@@ -1,7 +1,5 @@
 """`python -m tests.fmi [MODEL ...]`: FMPy validates and simulates FMUs of library models, FMI 3.0 and 2.0."""
 
-from __future__ import annotations
-
 import sys
 import tempfile
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The errors of FMUs in FMPy, against runs of lagc to 1e-9."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import inf
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The description and the archive of FMUs, without an importer."""
 
-from __future__ import annotations
-
 from math import pi
 
 import pytest

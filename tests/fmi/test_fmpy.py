@@ -1,7 +1,5 @@
 """FMUs in FMPy, which validates them against the schema of FMI and simulates them."""
 
-from __future__ import annotations
-
 import ctypes
 import shutil
 import threading

@@ -1,7 +1,5 @@
 """FMUs of library models, and what is made of their sources."""
 
-from __future__ import annotations
-
 import io
 import subprocess
 import zipfile

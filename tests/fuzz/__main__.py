@@ -5,8 +5,6 @@ Prints a table of what became of them.  Whatever made lagc stumble is made small
 `-o`; what was done is noted there, and a later call goes on from it.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

@@ -1,7 +1,5 @@
 """Commands called in this process, and what every answer of theirs has to meet."""
 
-from __future__ import annotations
-
 import io
 import json
 import os
@@ -14,12 +12,8 @@ from lagc.cli.main import main
 
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 _STATUS = {
-    0: ("ok", "terminated"),
-    1: ("refused",),
-    2: ("refused",),
-    3: ("failed",),
-    4: ("failed", "refused"),
-}
+    0: ("ok", "terminated"), 1: ("refused",), 2: ("refused",), 3: ("failed",), 4: ("failed", "refused"),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,5 @@
 """Random declarations of one model or effect: each method writes one and enters it into the scope."""
 
-from __future__ import annotations
-
 import random
 
 from tests.fuzz.expressions import GIVEN, MOTION, PLACE, SHOWN, Expressions, Function, Known, Scope

@@ -1,7 +1,5 @@
 """What was found: written as a file each, made small."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Callable

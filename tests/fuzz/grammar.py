@@ -1,7 +1,5 @@
 """Which rules of the grammar texts are made of."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterable
 

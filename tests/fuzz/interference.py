@@ -1,7 +1,5 @@
 """Commands whose files, signals and compilers fail: nothing old is lost, nothing half-written is read."""
 
-from __future__ import annotations
-
 import errno
 import os
 import random

@@ -6,8 +6,6 @@ those of a rule, or a name of the model so far (of `NAMES`), `<word1>` the same 
 text, and `#` the number of the text.
 """
 
-from __future__ import annotations
-
 import random
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Model texts with a few things wrong, by a seed: what people and programs write by mistake."""
 
-from __future__ import annotations
-
 import random
 import re
 from collections.abc import Callable

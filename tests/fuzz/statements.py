@@ -1,7 +1,5 @@
 """Texts changed statement by statement: declarations of one put into another, moved, doubled, renamed."""
 
-from __future__ import annotations
-
 import random
 import re
 from collections.abc import Callable, Iterator

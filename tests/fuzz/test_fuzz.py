@@ -1,7 +1,5 @@
 """No text and no failing file makes lagc stumble.  In full: `python -m tests.fuzz --hours N`."""
 
-from __future__ import annotations
-
 import os
 import random
 import re
@@ -93,23 +91,16 @@ def test_noise_is_refused(seed: int, trials: Trials) -> None:
 @pytest.mark.parametrize(
     "text",
     [
-        "",
-        "\ufeff",
-        "model M",
-        "/*" * 1000,
-        "(" * 100_000,
+        "", "\ufeff", "model M", "/*" * 1000, "(" * 100_000,
         "model M coordinate Length x; potential V = " + "(" * 5000 + "x" + ")" * 5000 + "; end M;",
         "model M coordinate Length x; potential V = 1 [J]" + " + 1 [J]" * 20_000 + "; end M;",
         "model M coordinate Length x; parameter Real k = " + "-" * 20_000 + "1; end M;",
         "model M coordinate Length x; parameter Real k = 2^999999999; end M;",
         "model M coordinate Length x; parameter Real k = " + "9" * 5000 + "; end M;",
-        "model M coordinate Length x[" + "9" * 30 + "]; end M;",
-        "model " + "M" * 100_000 + " end M;",
-        "package P " * 3000,
-        "effect e " * 3000,
+        "model M coordinate Length x[" + "9" * 30 + "]; end M;", "model " + "M" * 100_000 + " end M;",
+        "package P " * 3000, "effect e " * 3000,
         "model M for i in 1:99999 loop for j in 1:99999 loop point P[i,j] = {0,0,0};",
-        "model A B b; end A; model B A a; end B;",
-        "model M extends M; end M;",
+        "model A B b; end A; model B A a; end B;", "model M extends M; end M;",
         "model M function f(Real u) = g(u) + g(u); function g(Real u) = f(u) + f(u); coordinate Length x;"
         "potential V = f(1)*1 [J]; end M;",
         "model M function f0(Real u) = u + u;"
@@ -120,7 +111,7 @@ def test_noise_is_refused(seed: int, trials: Trials) -> None:
         + " parameter Real p5000 = 1; end M;",
     ],
     ids=range(20),
-)
+)  # fmt: skip
 def test_a_wicked_text_is_answered(text: str, trials: Trials) -> None:
     assert trials.stumbles(Case(text), 0) == []
 
@@ -196,16 +187,12 @@ def test_a_task_that_does_not_end_is_told_and_the_others_go_on(
     ("words", "said"),
     [
         ("check a", Said(0, "", "Traceback (most recent call last):")),
-        ("check a", Said(70, "", "error[LAG0799]: internal error")),
-        ("check a", Said(5, "", "lagc: no")),
-        ("explain a", Said(3, "", "error[LAG0620]: no")),
-        ("check a", Said(1, "", "")),
-        ("check a", Said(2, "", "")),
-        ("explain a", Said(0, "\x1b[31m", "")),
-        ("sim a --json", Said(0, '{"status": "failed"}', "")),
-        ("sim a --json", Said(3, "half of it", "")),
+        ("check a", Said(70, "", "error[LAG0799]: internal error")), ("check a", Said(5, "", "lagc: no")),
+        ("explain a", Said(3, "", "error[LAG0620]: no")), ("check a", Said(1, "", "")),
+        ("check a", Said(2, "", "")), ("explain a", Said(0, "\x1b[31m", "")),
+        ("sim a --json", Said(0, '{"status": "failed"}', "")), ("sim a --json", Said(3, "half of it", "")),
     ],
-)
+)  # fmt: skip
 def test_answers_that_break_the_contract_are_seen(words: str, said: Said) -> None:
     assert complaint(tuple(words.split()), said)
     assert not complaint(("check", "a"), Said(1, "error[LAG0101]: no", ""))

@@ -1,7 +1,5 @@
 """One model through all commands: what became of it, and where lagc stumbled."""
 
-from __future__ import annotations
-
 import json
 import os
 import random

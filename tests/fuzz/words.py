@@ -1,7 +1,5 @@
 """Names, numbers, units and descriptions that programs of this kind stumble over."""
 
-from __future__ import annotations
-
 import random
 from typing import TypeAlias
 
@@ -24,21 +22,14 @@ TYPES: dict[str, Dimension] = {
 }  # fmt: skip
 
 _UNITS: dict[Dimension, list[str]] = {
-    NUMBER: ["rad", "deg", "1", "%", "rev"],
-    MASS: ["kg", "g", "t", "lb", "mg"],
-    LENGTH: ["m", "mm", "cm", "km", "ft", "inch", "um"],
-    TIME: ["s", "ms", "min", "h"],
-    FORCE: ["N", "kN", "kg.m/s2", "kg*m/s^2"],
-    ENERGY: ["J", "N.m", "kJ", "kg.m2.s-2", "N.m/rad"],
-    POWER: ["W", "J/s"],
-    SPEED: ["m/s", "km/h", "m.s^-1"],
-    TURN: ["rad/s", "1/s", "Hz", "rpm", "deg/s", "s-1"],
-    (0, 1, -2, 0): ["m/s2", "m/s^2", "m/(s*s)"],
-    (0, 0, 1, 1): ["C", "A.s"],
-    (1, 0, -2, 0): ["N/m", "kg/s2"],
-    (1, 0, -1, 0): ["N.s/m", "kg/s"],
+    NUMBER: ["rad", "deg", "1", "%", "rev"], MASS: ["kg", "g", "t", "lb", "mg"],
+    LENGTH: ["m", "mm", "cm", "km", "ft", "inch", "um"], TIME: ["s", "ms", "min", "h"],
+    FORCE: ["N", "kN", "kg.m/s2", "kg*m/s^2"], ENERGY: ["J", "N.m", "kJ", "kg.m2.s-2", "N.m/rad"],
+    POWER: ["W", "J/s"], SPEED: ["m/s", "km/h", "m.s^-1"],
+    TURN: ["rad/s", "1/s", "Hz", "rpm", "deg/s", "s-1"], (0, 1, -2, 0): ["m/s2", "m/s^2", "m/(s*s)"],
+    (0, 0, 1, 1): ["C", "A.s"], (1, 0, -2, 0): ["N/m", "kg/s2"], (1, 0, -1, 0): ["N.s/m", "kg/s"],
     INERTIA: ["kg.m2", "g.cm2"],
-}
+}  # fmt: skip
 
 PLAIN = ["a", "b", "c", "d", "k", "l", "m", "r", "u", "w", "x", "y", "z", "phi", "theta", "alpha", "mass"]
 _NASTY = """

@@ -1,7 +1,5 @@
 """Tasks in child processes, under limits: one that dies or hangs is reported, and the others go on."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import resource

@@ -1,7 +1,5 @@
 """The error that a run reports is its error; if none can be estimated, the run says so."""
 
-from __future__ import annotations
-
 import math
 import random
 

@@ -4,8 +4,6 @@ Sources, figures and why a figure follows from the method stand in the cases the
 shorter here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from math import inf
 from pathlib import Path
@@ -25,7 +23,7 @@ from lagc.study.hard.cases import CASES, HARD
 
 OWN = {
     case.name: case for case in CASES if case.name not in HARD
-}  # the others: tests/physics/test_references
+}  # the others: tests/physics/test_closed_forms
 MISSED = {"tip_angles": [0], "kepler": [2]}  # figures that lagc does not keep, by case
 LONG = {"stiff_spring", "chaos", "kepler", "chain"}
 

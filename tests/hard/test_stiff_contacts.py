@@ -5,8 +5,6 @@ it shows of itself.  Truth: flight between two walls and half periods of a harmo
 form; SciPy's DOP853 from kink to kink for a floor with loss.
 """
 
-from __future__ import annotations
-
 import random
 import re
 import shutil

@@ -1,7 +1,5 @@
 """Mechanisms with joints against closed forms and against models with coordinates of their own."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
@@ -10,6 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import lagc
+from lagc.api import Run
 from lagc.diagnostics.faults import Refused
 
 ARM = """model Arm
@@ -22,7 +21,7 @@ SHOULDER = "joint shoulder = Revolute(world, upper, axis = world.y, at = {0, 0, 
 ELBOW = "joint elbow = Revolute(upper, lower, axis = world.y, at = {0, 0, -1} [m]);"
 
 
-def _run(name: str, stop: float, **options: object) -> lagc.Run:
+def _run(name: str, stop: float, **options: object) -> Run:
     run = lagc.load(name).compile().simulate(stop, accuracy=1e-9, points=21, **options)
     assert run.status == "ok", run.message
     return run

@@ -4,8 +4,6 @@ Truths: Euler's second law of each body about the origin, by differences of its 
 an action as the sum of its generalized forces times the rates; closed forms.
 """
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

@@ -5,8 +5,6 @@ steer of a bicycle: a benchmark and review, Proc. R. Soc. A 463 (2007) 1955-1982
 table 2.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

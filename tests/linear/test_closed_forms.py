@@ -1,7 +1,5 @@
 """Equilibria, modes and linear models of models whose closed forms are known."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import cache
 from math import acos, cos, exp, pi, sin, sqrt
@@ -156,13 +154,6 @@ def test_two_pendulums_have_four_equilibria() -> None:
     assert_spectrum(linears[0], pairs(-(2 - sqrt(2)) * G, -(2 + sqrt(2)) * G))
 
 
-def test_a_well_with_two_minima() -> None:
-    linears = found("classic/double_well", "free", a=3.0, b=0.5, m=2.0)
-    assert [at(linear)["x"] for linear in linears] == pytest.approx([0.0, -sqrt(6.0), sqrt(6.0)])
-    for linear, square in zip(linears, (1.5, -3.0, -3.0)):
-        assert_spectrum(linear, pairs(square))
-
-
 @pytest.mark.full
 def test_a_bead_on_a_turning_hoop_stays_out_or_below() -> None:
     fast, slow = 6.0, 2.0
@@ -181,13 +172,6 @@ def _by_angle(linears: list[Linear]) -> tuple[Linear, Linear, Linear, Linear]:
     """Below, out, on the top, out on the other side."""
     one, two, three, four = sorted(linears, key=lambda e: e.x[0] % (2 * pi))
     return one, two, three, four
-
-
-def test_an_elastic_pendulum_swings_and_bounces() -> None:
-    down = found("classic/elastic_pendulum", "lab", k=50.0, m=2.0)[0]
-    stretched = 2.0 * G / 50.0
-    assert at(down)["s"] == pytest.approx(stretched) and at(down)["theta"] == 0.0
-    assert_spectrum(down, pairs(-G / (1.0 + stretched), -25.0))
 
 
 @pytest.mark.full
@@ -212,20 +196,6 @@ def test_a_chain_of_springs() -> None:
     assert_spectrum(linear, pairs(*squares))
     slowest = linear.modes[:8, list(np.abs(linear.eigenvalues)).index(min(np.abs(linear.eigenvalues)))]
     assert slowest == pytest.approx([sin(i * pi / 9.0) / sin(4 * pi / 9.0) for i in range(1, 9)], abs=1e-9)
-
-
-def test_two_oscillators_with_dampers() -> None:
-    (linear,) = found("classic/coupled_oscillators", "damped", b=0.3)
-    roots = [np.roots([1.0, 0.3, k]) for k in (10.0, 12.0)]
-    assert_spectrum(linear, [complex(z) for pair in roots for z in pair])
-    assert linear.stability == "asymptotically stable"
-
-
-def test_a_spring_that_bounces_and_twists() -> None:
-    (linear,) = found("classic/wilberforce_pendulum", "lab")
-    m, inertia, w, e = 0.4905, 1.39e-4, 2.314, 9.27e-3
-    split = e / (2.0 * sqrt(m * inertia))
-    assert_spectrum(linear, pairs(-(w**2) - split, -(w**2) + split))
 
 
 def test_a_governor_with_a_drive() -> None:

@@ -1,8 +1,6 @@
 """Derivatives and linear models of long chains with joint angles, whose mass matrix is all but singular,
 against 50 digits in angles from the vertical; and of springs that are stiff and soft."""
 
-from __future__ import annotations
-
 from functools import cache
 from random import Random
 

@@ -1,7 +1,5 @@
 """Linear models and derivatives at states at which conditions change."""
 
-from __future__ import annotations
-
 import random
 import warnings
 

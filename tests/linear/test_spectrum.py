@@ -1,7 +1,5 @@
 """Eigenvalues of slow motions beside fast ones, against 50 digits."""
 
-from __future__ import annotations
-
 from random import Random
 
 import mpmath

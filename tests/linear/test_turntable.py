@@ -1,7 +1,5 @@
 """A linkage on a turntable, whose angle is a function of time that nothing depends on."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Nodes of the expression graph in many digits, and derivatives by differences of them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A reference interpreter of Program functions: operations in `math`, one after the other."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 

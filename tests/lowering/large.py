@@ -1,7 +1,5 @@
 """Texts of models of any size n: chains, trees, loops, orientations."""
 
-from __future__ import annotations
-
 from lagc.compiler import pipeline
 from lagc.compiler.stages import Choice
 from lagc.diagnostics.faults import Source

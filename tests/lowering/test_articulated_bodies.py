@@ -1,8 +1,6 @@
 """Bodies that keep their velocities as unknowns with pivots of their own: the same motion as the dense system
 in 50 digits, in work that grows as the model does, however many loops it has."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

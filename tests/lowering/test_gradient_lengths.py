@@ -1,7 +1,5 @@
 """Lengths of gradients that are not formed, against differences of 50 digits; what they cost."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Callable

@@ -1,8 +1,6 @@
 """The lifted form of the equations: the same motion as the dense system in 50 digits, in work that grows
 as the model does."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from itertools import pairwise

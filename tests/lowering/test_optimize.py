@@ -1,7 +1,5 @@
 """What a program contains and what it does not; sizes, notes, refusals, sameness."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """What depends on parameters alone is computed by `bind`: all of it, once, and no digit is lost."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Sequence

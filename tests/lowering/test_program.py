@@ -1,7 +1,5 @@
 """The functions of a Program against the equations they come from, solved by numpy."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Iterable
@@ -23,17 +21,12 @@ from tests.lowering.interpret import bound, interpret
 from tests.mechanics import models
 
 MODELS = {
-    "pendulum": models.pendulum,
-    "chain of 3": lambda: models.chain(3),
-    "string pendulum": models.string_pendulum,
-    "free solid": models.free_solid,
-    "rolling ball": models.rolling_ball,
-    "charged particle": models.charged_particle,
-    "rheonomic disc": models.rheonomic_disc,
-    "knife edge": models.knife_edge,
-    "declared speeds": models.declared_speeds,
-    "constant speed": models.constant_speed,
-}
+    "pendulum": models.pendulum, "chain of 3": lambda: models.chain(3),
+    "string pendulum": models.string_pendulum, "free solid": models.free_solid,
+    "rolling ball": models.rolling_ball, "charged particle": models.charged_particle,
+    "rheonomic disc": models.rheonomic_disc, "knife edge": models.knife_edge,
+    "declared speeds": models.declared_speeds, "constant speed": models.constant_speed,
+}  # fmt: skip
 
 
 class State:

@@ -1,7 +1,5 @@
 """Loops are found in what is made of like parts, and nothing changes by them."""
 
-from __future__ import annotations
-
 import math
 import random
 

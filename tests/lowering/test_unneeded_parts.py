@@ -1,7 +1,5 @@
 """What nothing asked for depends on is left out, and the rest moves as it did."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 
@@ -130,12 +128,8 @@ def test_commands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["sim", str(file), "--outputs", "height, z", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["dropped"] == ["x", "s", "o"] and set(found["final"]) == {
-        "th",
-        "z",
-        "der(th)",
-        "der(z)",
-        "height",
-    }
+        "th", "z", "der(th)", "der(z)", "height",
+    }  # fmt: skip
     assert main(["explain", str(file), "--outputs", "height"]) == 0
     said = capsys.readouterr().out
     assert "`x` is dropped: nothing asked for depends on it" in said

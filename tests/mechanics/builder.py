@@ -1,7 +1,5 @@
 """A small builder of Models, so that the mechanics is tested without the language."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from lagc.diagnostics.faults import Source, Span

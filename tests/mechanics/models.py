@@ -1,7 +1,5 @@
 """Hand-built models of the standard systems."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from lagc.semantics.model import Model
@@ -179,16 +177,8 @@ def relativistic() -> Model:
 
 
 ALL: dict[str, Callable[[], Model]] = {
-    "pendulum": pendulum,
-    "double pendulum": lambda: chain(2),
-    "chain of 5": lambda: chain(5),
-    "string pendulum": string_pendulum,
-    "free solid": free_solid,
-    "rolling ball": rolling_ball,
-    "charged particle": charged_particle,
-    "rheonomic disc": rheonomic_disc,
-    "knife edge": knife_edge,
-    "declared speeds": declared_speeds,
-    "constant speed": constant_speed,
-    "relativistic": relativistic,
-}
+    "pendulum": pendulum, "double pendulum": lambda: chain(2), "chain of 5": lambda: chain(5),
+    "string pendulum": string_pendulum, "free solid": free_solid, "rolling ball": rolling_ball,
+    "charged particle": charged_particle, "rheonomic disc": rheonomic_disc, "knife edge": knife_edge,
+    "declared speeds": declared_speeds, "constant speed": constant_speed, "relativistic": relativistic,
+}  # fmt: skip

@@ -1,7 +1,5 @@
 """Equations of motion as numbers at a state, and random states."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Mapping
 

@@ -1,7 +1,5 @@
 """Seeded random systems as texts: trees of particles and solids, loops closed by rows, random actions."""
 
-from __future__ import annotations
-
 import random
 
 from lagc.compiler.stages import Choice, parse, resolve

@@ -1,7 +1,5 @@
 """What `explain` tells: counts, cyclic coordinates, conserved quantities, integrable rows."""
 
-from __future__ import annotations
-
 import pytest
 
 from lagc.mechanics.analysis.analysis import Analysis, analyse
@@ -11,8 +9,6 @@ from lagc.symbolic.walk import evaluate
 from tests.mechanics.builder import Builder
 from tests.mechanics.models import (
     ALL,
-    chain,
-    charged_particle,
     constant_speed,
     knife_edge,
     rheonomic_disc,
@@ -73,23 +69,6 @@ def test_string_pendulum() -> None:
     assert [(c.label, c.holonomic, c.time_dependent, c.affine) for c in a.constraints] == [
         ("string", True, False, True)
     ]
-
-
-def test_charged_particle_keeps_energy_and_one_momentum() -> None:
-    assert conserved(analyse(derive(charged_particle())))[:2] == ["energy", "momentum(z)"]
-
-
-def test_central_motion_keeps_angular_momentum() -> None:
-    """Also where symbols do not show it: a spring between two particles in space."""
-    b = Builder()
-    q = [b.coordinate(f"{k}{i}") for i in (1, 2) for k in "xyz"]
-    for i in (0, 1):
-        b.particle(f"p{i}", b.parameter(f"m{i}", 1.0 + i), q[3 * i : 3 * i + 3])
-    gap = b.graph.sum((p - r) ** 2 for p, r in zip(q[:3], q[3:]))
-    b.potential("spring", b.graph.sqrt(gap) - 1.0 / gap)
-    a = analyse(derive(b.model()))
-    totals = [f"{head}().{axis}" for head in ("momentum", "angular_momentum") for axis in "xyz"]
-    assert conserved(a) == ["energy", *totals]
 
 
 def test_cyclic_angle_that_symbols_do_not_show() -> None:
@@ -165,44 +144,12 @@ def test_knife_edge_is_not_integrable() -> None:
     assert (row.integrable, row.affine, row.holonomic) == (False, True, False)
 
 
-def test_wheel_on_a_line_is() -> None:
-    b, (x, _, phi) = plane()
-    b.constraint("roll", b.der(x) - 0.3 * b.der(phi))
-    assert answers(b) == {"roll": True}
-
-
-def test_an_integrating_factor_does_not_hide_it() -> None:
-    b, (x, y, phi) = plane()
-    g = b.graph
-    factor = g.sin(x * y) + 2.0 + phi
-    b.constraint("hidden", factor * (y * b.der(x) + x * b.der(y) + g.cos(phi) * b.der(phi)))
-    assert answers(b) == {"hidden": True}
-
-
 def test_drives_belong_to_the_form() -> None:
     b, (x, y, phi) = plane()
     g = b.graph
     b.constraint("integrable", b.der(x) - g.cos(b.time))
     b.constraint("not", b.der(y) - b.time * b.der(phi))
     assert answers(b) == {"integrable": True, "not": False}
-
-
-def test_knife_edge_that_may_not_turn_is_a_slide() -> None:
-    b, (x, y, phi) = plane()
-    g = b.graph
-    b.constraint("knife", b.der(x) * g.sin(phi) - b.der(y) * g.cos(phi))
-    b.constraint("locked", phi - 0.3)
-    (_, knife) = analyse(derive(b.model())).constraints
-    assert knife.integrable
-    assert "holonomic" in knife.explanation
-
-
-def test_rows_that_are_integrable_only_together() -> None:
-    """Neither dx - y dphi nor dy - x dphi alone; together they leave a curve in space."""
-    b, (x, y, phi) = plane()
-    b.constraint("a", b.der(x) - y * b.der(phi))
-    b.constraint("b", b.der(y) - x * b.der(phi))
-    assert answers(b) == {"a": True, "b": True}
 
 
 @pytest.mark.parametrize("scaled", [False, True])
@@ -240,7 +187,3 @@ def test_rolling_ball_and_constant_speed() -> None:
     assert [c.integrable for c in analyse(derive(rolling_ball())).constraints] == [None, False, False]
     (row,) = analyse(derive(constant_speed())).constraints
     assert (row.integrable, row.affine) == (None, False)
-
-
-def test_a_chain_is_analysed() -> None:
-    assert conserved(analyse(derive(chain(20)))) == ["energy"]

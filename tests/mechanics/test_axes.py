@@ -1,8 +1,6 @@
 """Turns about axes that are none of a frame: places, angular velocities and accelerations against Rodrigues'
 formula and Lagrange's equations at many digits, and how the work grows along chains."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

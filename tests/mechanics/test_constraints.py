@@ -1,7 +1,5 @@
 """Rows: their kinds, redundancy, contradiction; faults of the mechanics, each with its code."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest
@@ -44,15 +42,6 @@ def test_a_constraint_on_a_declared_speed_is_no_position() -> None:
     u = b.speed("u", b.der(x) + b.der(y))
     b.constraint("slow", u - 1.0)
     assert [r.level.value for r in derive(b.model()).rows] == ["velocity"]
-
-
-def test_velocity_row_that_repeats_another_is_left_out() -> None:
-    b, (x, y, _) = plane()
-    b.constraint("knife", b.der(x) * b.graph.sin(y) - b.der(y))
-    b.constraint("twice", 3.0 * b.der(x) * b.graph.sin(y) - 3.0 * b.der(y))
-    e = derive(b.model())
-    assert [r.label for r in e.rows] == ["knife"]
-    assert e.dropped == ("row `twice` is left out: it follows from `knife`",)
 
 
 def test_velocity_row_that_sums_two_others_is_left_out() -> None:
@@ -104,50 +93,11 @@ def test_velocity_row_that_agrees_on_positions_only_is_kept_consistent() -> None
     assert derive(b.model()).dropped == ("row `rise` is left out: it follows from `height`",)
 
 
-def test_holonomic_row_stated_twice_stays() -> None:
-    """The run shares the force out between the two."""
-    b, (x, y, _) = plane()
-    b.constraint("circle", x * x + y * y - 1.0)
-    b.constraint("again", 2.0 * x * x + 2.0 * y * y - 2.0)
-    e = derive(b.model())
-    assert [r.label for r in e.rows] == ["circle", "again"]
-
-
 def test_rows_that_agree_for_some_parameters_stay() -> None:
     """Equal by default, not for other values: the run will tell."""
     b, (x, _, _) = plane()
     b.constraint("a", x - b.parameter("first", 1.0))
     b.constraint("b", x - b.parameter("second", 1.0))
-    assert len(derive(b.model()).rows) == 2
-
-
-def test_mobile_by_its_special_measures() -> None:
-    """Four equal parallel rods carry a plate: more rows than coordinates, and yet it moves."""
-    b = Builder()
-    g = b.graph
-    x, y, turn = b.coordinate("x", 0.3), b.coordinate("y", (1.0 - 0.09) ** 0.5), b.coordinate("turn", 0.0)
-    frame = b.rotate("plate", b.world, "z", turn)
-    b.solid("s", g.one, (0.1, 0.1, 0.2), frame, (x, y, 0.0))
-    for k, (px, py) in enumerate([(0.0, 0.0), (1.0, 0.2), (0.4, -0.6), (-0.5, 0.3)]):
-        hx = x + px * g.cos(turn) - py * g.sin(turn) - px
-        hy = y + px * g.sin(turn) + py * g.cos(turn) - py
-        b.constraint(f"rod{k}", hx * hx + hy * hy - b.parameter(f"l{k}") ** 2)
-    assert len(derive(b.model()).rows) == 4
-
-
-def test_contradictory_rows_stay_for_the_initialization() -> None:
-    b, (x, y, z) = plane()
-    b.constraint("a", x - y)
-    b.constraint("b", 2.0 * x - 2.0 * y - 1.0)
-    b.constraint("c", b.der(x) - z * b.der(z) + 1.0)
-    b.constraint("d", b.der(y) - z * b.der(z))
-    assert [row.label for row in derive(b.model()).rows] == ["a", "b", "c", "d"]
-
-
-def test_rows_that_hold_together_elsewhere_are_no_contradiction() -> None:
-    b, (x, _, _) = plane()
-    b.constraint("square", x * x - 25.0)
-    b.constraint("place", x - 5.0)
     assert len(derive(b.model()).rows) == 2
 
 
@@ -226,15 +176,11 @@ def _many_speeds(b: Builder, q: list[Node]) -> None:
 @pytest.mark.parametrize(
     "change, code",
     [
-        (_quadratic_speed, "LAG0401"),
-        (_dependent_speeds, "LAG0402"),
-        (_speed_of_nothing, "LAG0402"),
-        (_many_speeds, "LAG0403"),
-        (_mass_in_time, "LAG0404"),
-        (_input_in_lagrangian, "LAG0406"),
+        (_quadratic_speed, "LAG0401"), (_dependent_speeds, "LAG0402"), (_speed_of_nothing, "LAG0402"),
+        (_many_speeds, "LAG0403"), (_mass_in_time, "LAG0404"), (_input_in_lagrangian, "LAG0406"),
         (_input_in_constraint, "LAG0407"),
     ],
-)
+)  # fmt: skip
 def test_refused(change: Callable[[Builder, list[Node]], None], code: str) -> None:
     b, q = plane()
     change(b, q)

@@ -1,9 +1,5 @@
 """The equations of the standard systems: closed forms, invariants, outputs."""
 
-from __future__ import annotations
-
-import time
-
 import numpy as np
 import pytest
 
@@ -11,12 +7,11 @@ from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.formulation.states import build_states
 from lagc.symbolic.derivative import tangent
-from lagc.symbolic.walk import evaluate, reachable
+from lagc.symbolic.walk import evaluate
 from tests.invariants import verify
 from tests.mechanics.builder import Builder
 from tests.mechanics.models import (
     ALL,
-    chain,
     charged_particle,
     declared_speeds,
     free_solid,
@@ -25,7 +20,6 @@ from tests.mechanics.models import (
     relativistic,
     rheonomic_disc,
     rolling_ball,
-    string_pendulum,
 )
 from tests.mechanics.numbers import State, consistent_state, mass_matrix, motion, random_state
 
@@ -96,34 +90,6 @@ def test_pendulum() -> None:
     assert {c.name: c.conservative for c in e.contributions} == {"field": True, "drag": False}
 
 
-def test_string_pendulum_tension() -> None:
-    """m v^2/l - m g z/l along the string, from the row's multiplier."""
-    e = derive(string_pendulum())
-    assert [(r.label, r.level.value, r.linear, r.time_dependent) for r in e.rows] == [
-        ("string", "position", True, False)
-    ]
-    state = consistent_state(e, 2)
-    assert state is not None
-    p, z = parameters(e), state[e.q[1]]
-    square = sum(state[x] ** 2 for x in e.v)
-    expected = p["m"] * (square - p["g"] * z) / p["l"]
-    assert value(e, "tension", motion(e, state)) == pytest.approx(expected, rel=1e-11)
-    assert e.power.is_zero
-
-
-def test_free_solid_turns_by_euler() -> None:
-    """I w' + w x I w = moment, in body axes; a torque along the body's z is its own third component."""
-    e = derive(free_solid())
-    state = motion(e, random_state(e, 3))
-    p = parameters(e)
-    inertia = np.array([p["I1"], p["I2"], p["I3"]])
-    w = np.array([state[x] for x in e.v[3:]])
-    turning = inertia * np.array([state[x] for x in e.a[3:]]) + np.cross(w, inertia * w)
-    assert turning == pytest.approx([0.0, 0.0, p["c"]], abs=1e-12)
-    assert value(e, "p", state) == pytest.approx(inertia[0] * w[0], rel=CLOSE)
-    assert e.quaternions == (3,)
-
-
 def test_unit_quaternions_stay_so() -> None:
     e = derive(free_solid())
     state = random_state(e, 3)
@@ -160,21 +126,6 @@ def test_charged_particle_turns_at_the_cyclotron_frequency() -> None:
     assert e.power.is_zero
     kinetic = 0.5 * p["m"] * sum(state[x] ** 2 for x in e.v)
     assert evaluate([e.kinetic, e.energy], state) == pytest.approx([kinetic, kinetic], rel=CLOSE)
-
-
-def test_chaplygin_sleigh() -> None:
-    """u' = d w^2, (J + m d^2) w' = -m d u w along and about the knife."""
-    e = derive(knife_edge())
-    state = consistent_state(e, 9)
-    assert state is not None
-    state = motion(e, state)
-    p, phi = parameters(e), state[e.q[2]]
-    vx, vy, w = (state[x] for x in e.v)
-    ax, ay, wdot = (state[x] for x in e.a)
-    u = vx * np.cos(phi) + vy * np.sin(phi)
-    along = ax * np.cos(phi) + ay * np.sin(phi)
-    assert along == pytest.approx(p["d"] * w**2, rel=1e-11)
-    assert wdot == pytest.approx(-p["m"] * p["d"] * u * w / (p["J"] + p["m"] * p["d"] ** 2), rel=1e-11)
 
 
 def test_declared_speeds_give_the_same_motion() -> None:
@@ -230,20 +181,6 @@ def test_starts_and_conditions_are_in_speeds() -> None:
     assert evaluate([s.value for s in e.starts_v], {}) == [10.0, 4.0]
     residual, _ = e.initial_conditions[0]
     assert evaluate([residual], dict(zip(e.v, (10.0, 4.0)))) == [1.0]
-
-
-@pytest.mark.full
-def test_long_chain_is_cheap() -> None:
-    """O(n^2) nodes, and well under a second in pure Python for 100 links."""
-    counts = []
-    for n in (20, 40, 80):
-        e = derive(chain(n))
-        counts.append(len(reachable([*e.mass_matrix.values(), *e.bias_forces])))
-    assert counts[2] / counts[1] < 4.2
-    model = chain(100)
-    begin = time.process_time()
-    derive(model)
-    assert time.process_time() - begin < 2.0  # 0.4 s on an idle machine
 
 
 def test_what_an_input_does_is_work_from_outside() -> None:

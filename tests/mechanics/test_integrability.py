@@ -1,8 +1,6 @@
 """Velocity rows with relations between positions planted in them: sums of f_i dg_i are the rates of
 relations together, whatever the factors; what is added to them is not."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Mapping, Sequence
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """A Jacobian that is kept by sums is the one that is not, and tells the same of its rows."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np

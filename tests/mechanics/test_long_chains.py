@@ -1,7 +1,5 @@
 """Constraints at the end of a long chain are judged as those of a short one."""
 
-from __future__ import annotations
-
 import pytest
 
 from lagc.compiler.stages import Choice, parse, resolve

@@ -2,8 +2,6 @@
 carried along, by differences in 90 digits; closed forms of what slides until it rolls; and which
 readings are warned of."""
 
-from __future__ import annotations
-
 import math
 import random
 from typing import Any

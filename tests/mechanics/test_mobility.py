@@ -1,8 +1,6 @@
 """Degrees of freedom of closed loops, the truth being known from how they are made, and seen again
 in the singular values of a Jacobian by finite differences."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Callable, Sequence

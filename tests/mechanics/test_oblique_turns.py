@@ -1,8 +1,6 @@
 """Chains of turns about oblique axes, whose vectors are sums of more terms than doubles have digits: what is
 said of them is what is said of short ones."""
 
-from __future__ import annotations
-
 from math import cos, sin, sqrt
 
 import pytest

@@ -1,7 +1,5 @@
 """Reactions that the equations leave open: the null space of G^T decides, at any scale of an equation."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

@@ -1,8 +1,6 @@
 """What is claimed to be conserved or cyclic is: symmetries that are planted are found and proved, and
 what breaks them is seen wherever it hides."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Callable

@@ -3,8 +3,6 @@
 LAGC_RANDOM_SYSTEMS sets how many systems are tried.
 """
 
-from __future__ import annotations
-
 import os
 
 import numpy as np

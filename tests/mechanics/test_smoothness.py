@@ -3,8 +3,6 @@
 The truth is known by construction: pieces that agree to a chosen order where one follows the other.
 """
 
-from __future__ import annotations
-
 from random import Random
 
 import pytest
@@ -43,33 +41,18 @@ def expressions(u: str, chance: Random) -> list[tuple[str, str]]:
     c = f"{chance.uniform(0.3, 3.0):.3f}"
     n = chance.choice((2, 3, 4))
     return [
-        (f"abs({u})", KINK),
-        (f"abs({u})^{2 * n - 1}", SMOOTH),
-        (f"({u})*abs({u})", SMOOTH),
-        (f"sqrt({c}*({u})^{2 * n})", SMOOTH),
-        (f"abs(({u})^2 + {c})", SMOOTH),
-        (f"sign({u})", JUMP),
-        (f"{c}*sign({u})*({u})", KINK),
-        (f"sign({u})*({u})^{n}", SMOOTH),
-        (f"floor({u})", JUMP),
-        (f"-floor({c}*({u}))", JUMP),
-        (f"cos(2*pi*({u} - floor({u})))", SMOOTH),
-        (f"mod({u}, 1)", JUMP),
-        (f"abs(mod({u}, 1) - 1/2)", KINK),
-        (f"cos(2*pi*mod({u}, 1))", SMOOTH),
-        (f"max({u}, {c}*({u}))", KINK),
-        (f"max({u}, 0)^{n}", SMOOTH),
-        (f"min({u}, {c})", KINK),
-        (f"min(max({u}, 0), 1)", KINK),
-        (f"if {u} < 0 then {c} else exp({u})", JUMP),
-        (f"if {u} > 0 then {c}*({u}) else sin({u})", KINK),
+        (f"abs({u})", KINK), (f"abs({u})^{2 * n - 1}", SMOOTH), (f"({u})*abs({u})", SMOOTH),
+        (f"sqrt({c}*({u})^{2 * n})", SMOOTH), (f"abs(({u})^2 + {c})", SMOOTH), (f"sign({u})", JUMP),
+        (f"{c}*sign({u})*({u})", KINK), (f"sign({u})*({u})^{n}", SMOOTH), (f"floor({u})", JUMP),
+        (f"-floor({c}*({u}))", JUMP), (f"cos(2*pi*({u} - floor({u})))", SMOOTH), (f"mod({u}, 1)", JUMP),
+        (f"abs(mod({u}, 1) - 1/2)", KINK), (f"cos(2*pi*mod({u}, 1))", SMOOTH), (f"max({u}, {c}*({u}))", KINK),
+        (f"max({u}, 0)^{n}", SMOOTH), (f"min({u}, {c})", KINK), (f"min(max({u}, 0), 1)", KINK),
+        (f"if {u} < 0 then {c} else exp({u})", JUMP), (f"if {u} > 0 then {c}*({u}) else sin({u})", KINK),
         (f"if {u} <= 0 then ({u})^3/6 else ({u}) - sin({u})", SMOOTH),
-        (f"if {u} < 0 then 1 else cos({u})", SMOOTH),
-        (f"if {u} > 0 and {u} < 1 then {c} else 0", JUMP),
+        (f"if {u} < 0 then 1 else cos({u})", SMOOTH), (f"if {u} > 0 and {u} < 1 then {c} else 0", JUMP),
         (f"if not {u} < 1 then 1 else if {u} < 0 then 0 else 3*({u})^2 - 2*({u})^3", SMOOTH),
-        (f"if l < 2 [m] then {u} else 2*({u})", SMOOTH),
-        (f"if T > 0 then abs({u}) else 0", KINK),
-    ]
+        (f"if l < 2 [m] then {u} else 2*({u})", SMOOTH), (f"if T > 0 then abs({u}) else 0", KINK),
+    ]  # fmt: skip
 
 
 # a place, its warning, and the kinds that are warned of

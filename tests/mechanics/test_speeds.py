@@ -1,7 +1,5 @@
 """Declared speeds: any choice of them gives the motion that the rates give."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

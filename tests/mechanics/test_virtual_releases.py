@@ -1,7 +1,5 @@
 """Reactions by virtual release: multipliers of explicit constraints, and the laws of Newton and Euler."""
 
-from __future__ import annotations
-
 import math
 import random
 

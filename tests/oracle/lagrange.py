@@ -8,8 +8,6 @@ differences with a step of 1e-15, whose error of 1e-30 is far below that of doub
 for the body rates w of an orientation in the form of Euler and Poincare, d(p)/dt + w x p = dL/d(turn).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -33,16 +31,10 @@ mp.dps = 90
 STEP = mp.mpf(10) ** -15
 
 _BINARY: dict[str, Callable[[Any, Any], Any]] = {
-    "atan2": mp.atan2,
-    "pow": mp.power,
-    "min": min,
-    "max": max,
-    "lt": lambda a, b: a < b,
-    "le": lambda a, b: a <= b,
-    "eq": lambda a, b: a == b,
-    "and": lambda a, b: a and b,
+    "atan2": mp.atan2, "pow": mp.power, "min": min, "max": max, "lt": lambda a, b: a < b,
+    "le": lambda a, b: a <= b, "eq": lambda a, b: a == b, "and": lambda a, b: a and b,
     "or": lambda a, b: a or b,
-}
+}  # fmt: skip
 
 
 class Expressions:

@@ -1,7 +1,5 @@
 """Every model of the library against Lagrange's equations by differences in 90 digits."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Every scene of every model of the library, compiled once for all tests."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from functools import cache

@@ -5,8 +5,6 @@ coordinates, rates and outputs at a time.  Its `accuracy` is relative to the lar
 quantity has among the samples.
 """
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from functools import cache

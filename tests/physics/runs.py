@@ -1,7 +1,5 @@
 """Runs of library models for the tests of physics."""
 
-from __future__ import annotations
-
 import lagc
 from lagc.api import Run
 

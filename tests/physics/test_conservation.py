@@ -1,7 +1,5 @@
 """What is conserved stays so; what is not, does what theory says."""
 
-from __future__ import annotations
-
 import numpy
 import pytest
 
@@ -15,19 +13,12 @@ TOLERANCE = 1e-8
 @pytest.mark.parametrize(
     ("name", "stop"),
     [
-        ("course/simple_pendulum", 10.0),
-        ("course/string_pendulum", 5.0),
-        ("classic/double_pendulum", 3.0),
-        ("classic/chain", 2.0),
-        ("classic/elastic_pendulum", 10.0),
-        ("classic/henon_heiles", 50.0),
-        ("classic/pleiades", 1.0),
-        ("classic/relativistic_particle", 10.0),
-        ("classic/rolling_disc", 2.0),
-        ("classic/gyroscope", 0.2),
-        ("classic/four_bar", 5.0),
+        ("course/simple_pendulum", 10.0), ("course/string_pendulum", 5.0), ("classic/double_pendulum", 3.0),
+        ("classic/chain", 2.0), ("classic/elastic_pendulum", 10.0), ("classic/henon_heiles", 50.0),
+        ("classic/pleiades", 1.0), ("classic/relativistic_particle", 10.0), ("classic/rolling_disc", 2.0),
+        ("classic/gyroscope", 0.2), ("classic/four_bar", 5.0),
     ],
-)
+)  # fmt: skip
 def test_energy_of_a_conservative_system(name: str, stop: float) -> None:
     # a speed of the gyroscope moves by 6e-3 rad/s, with terms of 300 rad/s
     run = motion(name, stop, points=51, accuracy=1e-9 if name == "classic/gyroscope" else 1e-10)

@@ -1,7 +1,5 @@
 """The library of effects: each against its closed form, or the published figure where there is none."""
 
-from __future__ import annotations
-
 from math import cos, cosh, exp, pi, sin, sqrt, tanh
 from pathlib import Path
 

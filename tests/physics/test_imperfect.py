@@ -1,7 +1,5 @@
 """Exercises on constraints with friction and of one side: the formulas of the models' own stories."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Models of any size, against the formulas of their stories and against one another."""
 
-from __future__ import annotations
-
 import math
 
 import numpy
@@ -9,13 +7,14 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import lagc
+from lagc.api import Run
 from lagc.host.model_library import library_models
 
 ASKED = 1e-8
 G = 9.81
 
 
-def run(name: str, n: int, stop: float, **parameters: float) -> lagc.Run:
+def run(name: str, n: int, stop: float, **parameters: float) -> Run:
     made = lagc.load(f"large/{name}").compile(parameters={"n": n, **parameters}, backend="numpy")
     return made.simulate(stop=stop, accuracy=ASKED, points=41)
 

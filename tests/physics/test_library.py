@@ -1,7 +1,5 @@
 """Every model of the library: no faults, a run, its energy balance, its constraints."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -2,8 +2,6 @@
 (implicit) and constraints with multipliers (explicit), angles and Cartesian coordinates,
 rates and quasi-speeds.  Neither is derived from the other."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

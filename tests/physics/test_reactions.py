@@ -1,7 +1,5 @@
 """Multipliers are the forces that the stories of the models work out by hand."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

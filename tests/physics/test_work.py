@@ -3,11 +3,10 @@
 The works are sums of the powers along the motion, apart from the run's own integral and from the energies.
 """
 
-from __future__ import annotations
-
 import pytest
 
 import lagc
+from lagc.api import Run
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.simulation.works import Works, works
 from lagc.symbolic.walk import symbols
@@ -19,7 +18,7 @@ ACCURACY = 1e-6
 TOLERANCE = 1e-6  # of the largest energy or work
 
 
-def _works(model: lagc.CompiledModel) -> tuple[Works, lagc.api.Run]:
+def _works(model: lagc.CompiledModel) -> tuple[Works, Run]:
     equations, system = model.equations, model.system
     events = equations.whens or equations.contacts or model.interface.relations
     longest = EVENTFUL if events else SPAN

@@ -4,8 +4,6 @@
 fault, where the remedy has the words, and lines `+++ first-last new line` that follow the remedies.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import NamedTuple
 

@@ -5,8 +5,6 @@ one fault, at the place between the guillemets.  What its remedy says to write s
 which gives none.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Every refused model: the code of its fault, and its exact place."""
 
-from __future__ import annotations
-
 import importlib
 
 import pytest

@@ -1,7 +1,5 @@
 """Models of the library, as the tests of this room use them."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Evaluates a generated SymPy script on numbers: a stand-in module `sympy` whose symbols are floats."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping

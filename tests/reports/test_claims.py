@@ -1,8 +1,6 @@
 """Every claim over the library and over random systems: what is said to be conserved keeps its value along
 the motion, and what is not said to be does not, at some state at least."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from pathlib import Path

@@ -3,8 +3,6 @@
 `tests/simulation/test_controller.py` compares the programs of how-to/embed-the-c.md with their results.
 """
 
-from __future__ import annotations
-
 import re
 import shlex
 import shutil

@@ -1,7 +1,5 @@
 """Equations as a person would write them."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys
@@ -228,14 +226,10 @@ end Reserved;
 @pytest.mark.parametrize(
     "name",
     [
-        "classic/andrews_squeezer",
-        "classic/car_axis",
-        "classic/heavy_top_quaternion",
-        "classic/pleiades",
-        "classic/rolling_disc",
-        "course/string_pendulum",
+        "classic/andrews_squeezer", "classic/car_axis", "classic/heavy_top_quaternion", "classic/pleiades",
+        "classic/rolling_disc", "course/string_pendulum",
     ],
-)
+)  # fmt: skip
 def test_latex_is_read_by_another_program(name: str) -> None:
     """matplotlib's reader of formulas stands in for TeX."""
     mathtext = pytest.importorskip("matplotlib.mathtext")

@@ -1,7 +1,5 @@
 """What equations say of the clauses `when`: in scripts the list `events`, as SymPy reads it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from random import Random
 from typing import Any

@@ -1,7 +1,5 @@
 """The equations that people read are the derived ones, for every model of the library."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from pathlib import Path

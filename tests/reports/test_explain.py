@@ -1,7 +1,5 @@
 """What `lagc explain` says of models whose properties are known."""
 
-from __future__ import annotations
-
 import json
 import re
 from math import cos, sin

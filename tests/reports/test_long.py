@@ -1,7 +1,5 @@
 """Equations of any length are written: powers and products that would be long have names for their parts."""
 
-from __future__ import annotations
-
 import random
 import re
 

@@ -1,8 +1,6 @@
 """The equations of models with contacts in each of their modes, against equations written by hand and models
 that are held in a mode."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Different things have different names on paper, and legends say what short ones stand for."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any

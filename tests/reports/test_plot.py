@@ -1,7 +1,5 @@
 """Pictures of runs."""
 
-from __future__ import annotations
-
 import math
 import sys
 from itertools import pairwise

@@ -3,8 +3,6 @@
 `pip install mujoco example-robot-data` brings both; without them these tests are skipped.
 """
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from importlib.util import find_spec

@@ -1,7 +1,5 @@
 """Robots from URDF: closed forms of small ones, names, rounding, and files that are refused."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

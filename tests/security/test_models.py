@@ -1,7 +1,5 @@
 """What a model file cannot do: the claims of SECURITY.md, seen by an audit hook and in the generated text."""
 
-from __future__ import annotations
-
 import ast
 import json
 import os

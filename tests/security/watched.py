@@ -4,8 +4,6 @@ What Python was about to do, its imports apart, goes to the file that WATCHED na
 pairs of an event and its arguments.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys

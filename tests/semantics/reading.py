@@ -1,7 +1,5 @@
 """Models read for the tests of this room."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from lagc.diagnostics.faults import Source

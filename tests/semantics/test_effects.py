@@ -1,7 +1,5 @@
 """What the scene does not use does not exist: its code is that of the model without it."""
 
-from __future__ import annotations
-
 import random
 import re
 from collections.abc import Iterator

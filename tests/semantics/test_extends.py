@@ -1,7 +1,5 @@
 """Models that extend others in several ways; what is given on the way."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

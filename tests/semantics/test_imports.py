@@ -1,7 +1,5 @@
 """Imports of many, in any order, of each other; how often is counted, no time is taken."""
 
-from __future__ import annotations
-
 import random
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Statements of the language against what can be worked out by hand."""
 
-from __future__ import annotations
-
 import re
 from math import cos, cosh, exp, sin, sqrt
 

@@ -1,7 +1,5 @@
 """Model files and imports are read whole or refused, and nothing waits."""
 
-from __future__ import annotations
-
 import os
 import socket
 import subprocess

@@ -1,7 +1,5 @@
 """Placeholders: bodies, points and frames that an instance gives; files of the library."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
@@ -38,11 +36,6 @@ end M;
 
 def of(instance: str, inside: str = "", scene: str | None = None) -> Model:
     return pipeline.resolve(parse(Source("m.lag", PULL % (inside, instance))), Choice(scene=scene))
-
-
-def c_of(text: str, **choice: str) -> dict[str, str]:
-    found = pipeline.Compilation(Source("m.lag", text), Choice(**choice))  # type: ignore[arg-type]
-    return pipeline.render(pipeline.optimize(found.equations, work=False), "c")
 
 
 def test_an_instance_is_what_could_have_been_written_there() -> None:

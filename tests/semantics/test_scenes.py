@@ -1,6 +1,6 @@
 """What a scene gives: parameters and starts, of instances, arrays and orientations too."""
 
-from __future__ import annotations
+from math import cos, sin
 
 import pytest
 
@@ -93,17 +93,13 @@ def test_a_scene_starts_single_elements() -> None:
 @pytest.mark.parametrize(
     "line, code",
     [
-        ("parameter a.q = 1;", "LAG0215"),
-        ("parameter a.m = 1; parameter a.m = 2;", "LAG0209"),
-        ("parameter e.c[3].m = 1;", "LAG0215"),
-        ("parameter a = 1;", "LAG0215"),
-        ("start a.m = 1;", "LAG0224"),
-        ("start a.x = {1, 2};", "LAG0306"),
-        ("start a.x = 1; start a.x = 2;", "LAG0209"),
-        ("start 2*a.x = 1;", "LAG0110"),
+        ("parameter a.q = 1;", "LAG0215"), ("parameter a.m = 1; parameter a.m = 2;", "LAG0209"),
+        ("parameter e.c[3].m = 1;", "LAG0215"), ("parameter a = 1;", "LAG0215"),
+        ("start a.m = 1;", "LAG0224"), ("start a.x = {1, 2};", "LAG0306"),
+        ("start a.x = 1; start a.x = 2;", "LAG0209"), ("start 2*a.x = 1;", "LAG0110"),
         ("parameter a.k = {1, 2, 3};", "LAG0306"),
     ],
-)
+)  # fmt: skip
 def test_what_a_scene_cannot_give(line: str, code: str) -> None:
     with pytest.raises(Refused) as refused:
         read(PARTS.replace("scene plain;", f"scene plain {line} end plain;"), scene="plain")
@@ -159,12 +155,30 @@ def test_a_speed_may_say_its_start_itself() -> None:
     assert speeds["w"] is None and speeds["r"] is not None
 
 
-def test_the_effect_of_one_instance_is_used() -> None:
-    part = (
-        "model A coordinate Length x; body b = Particle(mass = 1, at = {x, 0, 0});"
-        "effect spring potential V = 1/2*10 [N/m]*x^2; end spring; end A;"
-    )
-    scenes = "scene one uses a.spring; scene both uses spring;"
-    found = {scene: read(f"{part} model B A a, c; {scenes} end B;", scene=scene) for scene in ("one", "both")}
-    assert [action.name for action in found["one"].actions] == ["a.V"]
-    assert [action.name for action in found["both"].actions] == ["a.V", "c.V"]
+LINK = """model Link
+  coordinate Orientation o;
+  body b = Solid(mass = 1, inertia = {1, 2, 3}, frame = rotate(world, o), com = {0, 0, 0});
+end Link;
+"""
+
+
+def test_each_instance_starts_as_its_own_element_says() -> None:
+    text = LINK + "model M Link k[3](o(start = {{cos(0.1*i), 0, 0, sin(0.1*i)} for i in 1:3})); end M;"
+    start = lagc.loads(text).compile(backend="numpy").start()
+    for i in range(1, 4):
+        assert list(start[4 * i - 4 : 4 * i]) == pytest.approx(
+            [cos(0.1 * i), 0.0, 0.0, sin(0.1 * i)], rel=1e-14
+        )
+
+
+def test_all_instances_start_as_one_quaternion_says() -> None:
+    text = LINK + "model M Link k[4](o(start = {0.6, 0, 0.8, 0}, rate = {1, 2, 3} [rad/s])); end M;"
+    start = lagc.loads(text).compile(backend="numpy").start()
+    assert list(start) == pytest.approx([0.6, 0.0, 0.8, 0.0] * 4 + [1.0, 2.0, 3.0] * 4)
+
+
+def test_too_few_elements_are_refused() -> None:
+    text = LINK + "model M Link k[3](o(start = {{1, 0, 0, 0}, {0, 1, 0, 0}})); end M;"
+    with pytest.raises(lagc.Refused) as refused:
+        lagc.loads(text).compile()
+    assert [fault.code for fault in refused.value.faults] == ["LAG0306"]

@@ -1,7 +1,5 @@
 """Functions through points, against NumPy, SciPy and what can be worked out by hand."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Sequence
 from itertools import pairwise

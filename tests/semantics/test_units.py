@@ -1,7 +1,5 @@
 """Units against the definitions of the SI (BIPM, *The International System of Units*, 9th ed., 2019)."""
 
-from __future__ import annotations
-
 import math
 import random
 import re
@@ -165,22 +163,17 @@ def test_whole_numbers_of_many_radians_are_asked_after(written: str, warned: lis
         ("parameter AngularVelocity w = 50 [Hz];", ["LAG0619"]),
         ("parameter AngularVelocity w = 2*pi*50 [Hz], u = 300 [rpm], v = 3;", []),
         ("parameter Frequency f = 50 [Hz];", []),
-        (
-            "coordinate Angle a(rate = 2 [kHz]); body c = Particle(mass = 1, at = {0, a*1 [m], 0});",
-            ["LAG0619"],
-        ),
-        (
-            "coordinate Angle a; body c = Particle(mass = 1, at = {0, a*1 [m], 0});"
-            " scene s start der(a) = 1 [Hz]; end s;",
-            ["LAG0619"],
-        ),
+        ("coordinate Angle a(rate = 2 [kHz]); body c = Particle(mass = 1, at = {0, a*1 [m], 0});",
+         ["LAG0619"]),
+        ("coordinate Angle a; body c = Particle(mass = 1, at = {0, a*1 [m], 0});"
+         " scene s start der(a) = 1 [Hz]; end s;", ["LAG0619"]),
         ("Gravity field(g = -9.81);", ["LAG0434"]),
         ("Gravity field(g = -9.81 [m/s2], direction = {0, 0, -1});", ["LAG0434"]),
         ("effect e Gravity field(g = -9.81 [m/s2]); end e; scene s uses e;", ["LAG0434"]),
         ("Gravity field(g = -9.81 [m/s2], direction = world.z);", []),
         ("Gravity field(g = 1.62 [m/s2]);", []),
     ],
-)
+)  # fmt: skip
 def test_numbers_of_another_unit_or_sign_are_asked_after(written: str, codes: list[str]) -> None:
     body = "body b = Particle(mass = 1, at = {0, 0, z});"
     text = f"model M coordinate Length z(rate = 1); {body} {written} end M;"

@@ -1,7 +1,5 @@
 """Models with inputs, and one way to step them in C and in Python."""
 
-from __future__ import annotations
-
 import ctypes
 from ctypes import c_double, c_int, c_long, c_size_t
 from functools import cache

@@ -1,7 +1,5 @@
 """The runtime of generated modules with systems written by hand, and single kernels."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import cache
 from types import CodeType, ModuleType

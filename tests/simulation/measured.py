@@ -1,7 +1,5 @@
 """True errors of a verified run, by the scales that it tells."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from lagc.api import Run

@@ -1,7 +1,5 @@
 """Small models as Programs, and systems of both backends."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import cache
 from math import cos, sin

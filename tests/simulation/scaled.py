@@ -1,7 +1,5 @@
 """The same model in other units of length, mass and time: every number with a dimension is another."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """The error that a run tells is not less than its true one, whatever the model and its size."""
 
-from __future__ import annotations
-
 from math import pi
 from random import Random
 

@@ -1,7 +1,5 @@
 """Contacts written by hand: the line that the message of the run advises runs, with the same motion."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

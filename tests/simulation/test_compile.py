@@ -1,7 +1,5 @@
 """What a C compiler leaves behind is looked at before it is loaded."""
 
-from __future__ import annotations
-
 import random
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The controller of the documentation, as it stands there: in C, in Python, with restarts, by scipy."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

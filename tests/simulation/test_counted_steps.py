@@ -1,7 +1,5 @@
 """Fixed steps in real time: each call makes the same number of evaluations, for days, in every precision."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from pathlib import Path

@@ -1,8 +1,6 @@
 """Rows that depend on each other in code without a dense matrix: accelerations, the shortest multipliers and
 contradictions, against the pseudo-inverse in 50 digits; motions through configurations where rank is lost."""
 
-from __future__ import annotations
-
 import math
 import random
 import re

@@ -1,8 +1,6 @@
 """Coordinates that are displacements from places, and begin at zero: their size is that of the places, and
 the motion that of coordinates from the origin."""
 
-from __future__ import annotations
-
 import math
 
 import mpmath as mp

@@ -1,7 +1,5 @@
 """Inputs that change during a run: from the model, a scene, the command line and Python."""
 
-from __future__ import annotations
-
 import json
 import pickle
 import random

@@ -1,7 +1,5 @@
 """The generated C in a program of one's own: a loop of steps with dense output, under sanitizers."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from pathlib import Path

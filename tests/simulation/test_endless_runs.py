@@ -1,8 +1,6 @@
 """Runs that would take very long: where no motion is possible the answer is rest, hopeless ones end soon
 and say why, and long ones that are not go on."""
 
-from __future__ import annotations
-
 import math
 import random
 

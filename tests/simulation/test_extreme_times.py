@@ -1,7 +1,5 @@
 """Ways from 1e-308 s to 1e308 s: the motion is right, or it is said that they take too many steps."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

@@ -1,8 +1,5 @@
 """Generated C and Python at work: both give the same bits, and see what is wrong with a system."""
 
-from __future__ import annotations
-
-from math import isclose, sqrt
 from typing import Any
 
 import pytest
@@ -17,7 +14,6 @@ from tests.simulation.programs import (
     build,
     built,
     needs_compiler,
-    pendulum,
     program,
     programs,
     rates,
@@ -67,48 +63,6 @@ def test_only_what_a_model_needs_is_written() -> None:
     assert "normalise" in "".join(render_c(programs()["body"]).values())
 
 
-@BACKENDS
-def test_energy_of_the_double_pendulum(backend: str) -> None:
-    system = built("double pendulum", backend)
-    x = system.start()
-    run = system.integrate(Options(rtol=1e-12, atol=1e-12), 0.0, x, [5.0])
-    before, after = system.energies(0.0, x)[2], system.energies(5.0, run.x)[2]
-    assert after == pytest.approx(before, abs=1e-9)
-
-
-@BACKENDS
-def test_a_body_on_a_pivot_keeps_its_energy_and_place(backend: str) -> None:
-    """Nine equations with a quaternion and three constraints."""
-    system = built("body", backend)
-    x = system.integrate(Options(), 0.0, system.start(), [0.0]).x
-    run = system.integrate(Options(rtol=1e-11, atol=1e-11), 0.0, x, [0.1 * i for i in range(1, 51)])
-    assert run.status == OK and run.position_drift <= 1e-14 and run.velocity_drift <= 1e-14
-    assert system.energies(0.0, run.x)[2] == pytest.approx(system.energies(0.0, run.states[0])[2], abs=1e-8)
-    for state in run.states:
-        assert isclose(sum(a * a for a in state[3:7]), 1.0, abs_tol=1e-15)
-        assert max(abs(a) for a in system.position(0.0, state)) <= 1e-15
-
-
-@pytest.mark.sample(2)
-@BACKENDS
-@pytest.mark.parametrize("copies", [(1.0, 1.0), (1.0, -2.0, 0.5)])
-def test_a_repeated_constraint_changes_no_motion(backend: str, copies: Any) -> None:
-    """The multipliers are the shortest that give the rod's force: in proportion to the factors."""
-    once, often = built("pendulum", backend), build(pendulum(copies), backend)
-    x = once.start()
-    _, rate, (force,) = rates(once, x)
-    status, same, lam = rates(often, x)
-    assert status == REDUNDANT
-    assert same == pytest.approx(rate, rel=1e-13)
-    square = sum(c * c for c in copies)
-    assert lam == pytest.approx([force * c / square for c in copies], rel=1e-12)
-    one = once.integrate(Options(rtol=1e-11, atol=1e-11), 0.0, x, [5.0])
-    other = often.integrate(Options(rtol=1e-11, atol=1e-11), 0.0, x, [5.0])
-    assert other.status == OK and other.x == pytest.approx(one.x, abs=1e-9)
-    assert len(other.redundant_rows) == len(copies) - 1
-    assert other.position_drift <= 1e-14 and other.velocity_drift <= 1e-14
-
-
 @pytest.mark.sample(1)
 @BACKENDS
 def test_contradicting_rows_are_named(backend: str) -> None:
@@ -149,17 +103,6 @@ def test_a_run_ends_at_the_border_of_its_equations(backend: str) -> None:
     assert run.status == NOT_FINITE and run.culprit == 3
     assert run.t == pytest.approx(1.0, abs=1e-3) and run.times == [0.5]
     assert run.states[0][0] == pytest.approx(0.5, abs=1e-8)
-
-
-@BACKENDS
-def test_the_drive_of_a_rod_follows_the_closed_form(backend: str) -> None:
-    """A small swing of the pendulum has the period 2 pi sqrt(l/g) (1 + a^2/16)."""
-    system = built("pendulum", backend)
-    a = 0.02
-    x = [a, -sqrt(1.0 - a * a), 0.0, 0.0]
-    period = 2.0 * 3.141592653589793 / sqrt(9.81) * (1.0 + a * a / 16.0 + 11.0 * a**4 / 3072.0)
-    run = system.integrate(Options(rtol=1e-12, atol=1e-12), 0.0, x, [period])
-    assert run.x[0] == pytest.approx(a, abs=1e-9) and run.x[2] == pytest.approx(0.0, abs=1e-7)
 
 
 @pytest.mark.sample(5)

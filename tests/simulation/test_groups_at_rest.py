@@ -1,8 +1,6 @@
 """Scaling groups that are zero except for round-off: symmetric systems, compared with the model without
 these coordinates."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from random import Random

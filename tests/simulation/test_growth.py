@@ -1,7 +1,5 @@
 """Motions along which rounding grows and errors of the method do not: estimates against closed forms."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from math import atan, cos, cosh, exp, pi, sin

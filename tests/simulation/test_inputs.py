@@ -1,7 +1,5 @@
 """Inputs, parameters and states that change between two calls of `advance`."""
 
-from __future__ import annotations
-
 import random
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Coordinates without mass whose rates constraints give: integrals and filters beside the motion."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

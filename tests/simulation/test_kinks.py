@@ -1,7 +1,5 @@
 """Random forces with kinks and jumps: motions that are known piece by piece have the reported error."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import atan2, cos, pi, sin, sqrt
 from random import Random

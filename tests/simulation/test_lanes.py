@@ -1,7 +1,5 @@
 """Runs in the lanes of vectors have the bits of single runs, whatever their neighbours do."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Mapping, Sequence
 from platform import machine

@@ -1,7 +1,5 @@
 """The code of a run has the method that it takes; other methods are compiled when a run asks for them."""
 
-from __future__ import annotations
-
 import pickle
 
 import pytest

@@ -1,7 +1,5 @@
 """Models, systems and runs travel to other processes, and back."""
 
-from __future__ import annotations
-
 import copy
 import multiprocessing
 import pickle

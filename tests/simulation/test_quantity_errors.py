@@ -1,7 +1,5 @@
 """The accuracy holds for each quantity by its own scale: closed forms and independent integrations."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from math import cos, pi, sin, sqrt
 from typing import TypeAlias
@@ -379,6 +377,15 @@ def test_a_state_that_only_round_off_keeps_from_the_accuracy_fails_no_run(backen
     assert errors["x"] <= 1e-8 * 2.0 and errors["der(x)"] <= 1e-8 * 1.4
     assert all(error <= run.errors[name] for name, error in errors.items())
     assert errors["y"] > 1e-8 * np.ptp(known[1]) * small  # the note is true
+
+
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-5])
+def test_the_speed_of_a_coordinate_that_stands_counts_by_what_it_moves(accuracy: float) -> None:
+    """The lean of a coin on its steady circle is constant, so that its rate is an error alone."""
+    run = lagc.load("classic/rolling_disc").compile(backend="numpy").simulate(3.0, accuracy=accuracy)
+    assert run.status == "ok" and run.rtol > 1e-2 * accuracy  # the first tolerance, not the finest one
+    assert abs(run["lean"] - 0.3).max() <= run.errors["lean"] <= accuracy * 0.3
+    assert abs(run["der(lean)"]).max() <= run.errors["der(lean)"] <= accuracy * 0.1
 
 
 @pytest.mark.full

@@ -1,7 +1,5 @@
 """The generated C in several threads under the race detector of the compiler."""
 
-from __future__ import annotations
-
 import random
 import shutil
 import subprocess

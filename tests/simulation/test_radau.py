@@ -4,8 +4,6 @@ References are closed forms, published numbers, SciPy's solvers on the same righ
 without the stiff part.
 """
 
-from __future__ import annotations
-
 import re
 import subprocess
 from math import exp, pi, sqrt

@@ -1,7 +1,5 @@
 """Systems at rest, and motions of any size and pace against closed forms."""
 
-from __future__ import annotations
-
 import random
 from math import cos, floor, log2, pi, sin, sqrt
 from typing import Any

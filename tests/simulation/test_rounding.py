@@ -1,7 +1,5 @@
 """Rounding that all runs share enters the estimate: known motions in ill-conditioned coordinates."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from math import cos, sin
 from random import Random

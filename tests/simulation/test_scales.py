@@ -1,8 +1,6 @@
 """No size is hidden in the program: in other units of length, mass and time the same motion comes out,
 with the same steps, and to the last bit where the units differ by powers of two."""
 
-from __future__ import annotations
-
 import random
 from fractions import Fraction
 from functools import cache
@@ -19,8 +17,13 @@ from tests.simulation.scaled import Factors, program, state_factors, system
 PLAIN: Factors = (Fraction(1), Fraction(1), Fraction(1))
 LONGEST = 1.0  # s
 POINTS = 6
-# Where contacts act, states are the same to some units in the last place.
-IN_FLIGHT = [name for name in library_models() if not name.startswith("contact/")]
+# States are the same to some units in the last place alone: where contacts act; where dependent rows of
+# different units share one penalty and their gradients are compared; where a mass is the literal 1, which
+# vanishes from the code, so that other terms are shared.
+IN_LAST_PLACES = ("course/leaving_wall_explicit", "hard/bennett", "mechanisms/universal_joint")
+IN_FLIGHT = [
+    name for name in library_models() if not name.startswith("contact/") and name not in IN_LAST_PLACES
+]
 # In impacts of two-sided contacts, normal impulses that are zero have no size of their own, and are scaled
 # by 1: units that differ by 1e15 change the decision there.
 _TWO_SIDED = ("block_in_rail", "painleve_klein", "rough_crank", "rough_hoop", "rough_pin")

@@ -1,7 +1,5 @@
 """Constraints that an actuator holds: inverse dynamics, and closed forms that a perfect constraint misses."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 
@@ -58,13 +56,6 @@ def test_an_actuator_elsewhere_than_the_constraint(backend: str, method: str) ->
     free = free.replace("  force motor = {1 [N], 0, 0} at one;\n", "")
     perfect = lagc.loads(free).compile(backend="numpy").simulate(stop, accuracy=1e-9)
     assert perfect.final["x"] == pytest.approx(0.4 * (rate * stop - 0.2 * math.sin(3.0 * stop)), abs=1e-9)
-
-
-@pytest.mark.full
-def test_both_backends_are_equal_to_the_bit() -> None:
-    text = RELATIVE.replace("BY", " (by = motor)")
-    runs = [lagc.loads(text).compile(backend=b).simulate(1.3, accuracy=1e-9) for b in ("numpy", "c")]
-    assert runs[0].states == runs[1].states
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """Runs of few steps: the error that is told is not less than the true one, from closed forms."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import pairwise
 from math import cosh, exp, log, sinh, sqrt, tanh

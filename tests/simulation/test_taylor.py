@@ -4,8 +4,6 @@ References are closed forms, conservation laws, the motion in other coordinates,
 near machine precision.
 """
 
-from __future__ import annotations
-
 import re
 import subprocess
 from math import atan, cos, pi, sqrt

@@ -1,7 +1,5 @@
 """One compiled model in many threads: the answers of one thread alone, bit for bit."""
 
-from __future__ import annotations
-
 import gc
 import random
 import sys

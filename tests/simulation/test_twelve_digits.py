@@ -2,8 +2,6 @@
 digits, from the very doubles where the motions begin.  A ball's orientation errs by 1e-12 at the finest
 tolerance."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import mpmath as mp

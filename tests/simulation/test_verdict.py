@@ -1,13 +1,12 @@
 """Reasons are told where they were found, and only there; what is out of balance is not called good."""
 
-from __future__ import annotations
-
 from math import cos, pi, sin
 from random import Random
 
 import pytest
 
 import lagc
+from lagc.api import Run
 from lagc.simulation.global_error.energy_balance import balance
 from lagc.simulation.request import Request
 from lagc.simulation.simulate import simulate
@@ -32,7 +31,7 @@ def reasons(message: str) -> set[str]:
     return {name for words, name in REASONS.items() if words in message}
 
 
-def told(action: str, x: float, v: float, stop: float, accuracy: float = 1e-6) -> lagc.Run:
+def told(action: str, x: float, v: float, stop: float, accuracy: float = 1e-6) -> Run:
     model = lagc.loads(LINE_MODEL.format(x=x, v=v, action=action)).compile(backend="numpy")
     return model.simulate(stop, accuracy=accuracy, points=101)
 
@@ -130,7 +129,7 @@ def test_energy_out_of_balance_is_never_ok(accuracy: float, share: float) -> Non
         assert reasons(run.message) == set()
 
 
-def fall(seed: int, more: str) -> tuple[lagc.Run, float]:
+def fall(seed: int, more: str) -> tuple[Run, float]:
     """A motion about the origin with a term `more` of the potential, and that term's height."""
     chance = Random(seed)
     height, x, w = chance.uniform(0.02, 0.05), chance.uniform(0.7, 1.0), chance.uniform(0.7, 1.0)

@@ -11,8 +11,6 @@ after it, and compare the folders:
 LAGC_GOLDEN=update writes the texts and hashes anew.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

@@ -3,8 +3,6 @@
 Work is counted, not timed: calls of functions, and elements that lists are extended by.
 """
 
-from __future__ import annotations
-
 import difflib
 import gc
 import sys

@@ -1,8 +1,6 @@
 """Every stage keeps its promises, for every scene of every model of the library; compilers take its C with
 all warnings as errors."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from pathlib import Path

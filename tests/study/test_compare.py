@@ -1,7 +1,5 @@
 """Scenes side by side: differences against closed forms."""
 
-from __future__ import annotations
-
 import json
 from math import cos, pi
 from pathlib import Path

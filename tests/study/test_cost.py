@@ -1,7 +1,5 @@
 """The price of accuracy: errors against closed forms, laws against made points, and the reports."""
 
-from __future__ import annotations
-
 import json
 from contextlib import nullcontext
 from math import cos, sqrt

@@ -1,7 +1,5 @@
 """The recommended sets against all sets, by brute force: strengths of 0 leave effects out."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Iterable
 from itertools import combinations
@@ -54,16 +52,8 @@ TEN = f"""model Ten
         f"effect e{k} parameter Real[N.m] a{k} = 1e-{k}; potential v{k} = a{k}*{law}; end e{k};"
         for k, law in enumerate(
             [
-                "th^2",
-                "sin(th)",
-                "cos(2*th)",
-                "th^4",
-                "sin(time/1[s])*th",
-                "th",
-                "exp(th)",
-                "sin(3*th)",
-                "cos(time/2[s])*sin(th)",
-                "1/(2 + cos(th))",
+                "th^2", "sin(th)", "cos(2*th)", "th^4", "sin(time/1[s])*th", "th", "exp(th)", "sin(3*th)",
+                "cos(time/2[s])*sin(th)", "1/(2 + cos(th))",
             ],
             1,
         )
@@ -73,7 +63,7 @@ TEN = f"""model Ten
     simulate(stop = 5 [s]);
   end all;
 end Ten;
-"""
+"""  # fmt: skip
 
 
 class Brute:

@@ -1,7 +1,5 @@
 """Effects of a scene against closed forms: an oscillator with constant forces, and sets that were run."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping
 from math import cos

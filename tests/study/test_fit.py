@@ -1,7 +1,5 @@
 """Fits: known values are found, intervals are those of the theory, and unseen parameters are named."""
 
-from __future__ import annotations
-
 import json
 from math import cos, sin, sqrt
 from pathlib import Path

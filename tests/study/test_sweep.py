@@ -1,7 +1,5 @@
 """Sweeps: rows are those of single runs, nothing is lost or double, and all executors give the same bits."""
 
-from __future__ import annotations
-
 import errno
 import json
 import os
@@ -269,13 +267,8 @@ def test_the_command_writes_a_table(tmp_path: Path, capsys: pytest.CaptureFixtur
     (tmp_path / "spring.lag").write_text(SPRING)
     (tmp_path / "points.csv").write_text("k, start(x) [cm]\n1, 50\n9, 100\n")
     words = [
-        "sweep",
-        str(tmp_path / "spring.lag"),
-        "--table",
-        str(tmp_path / "points.csv"),
-        "--backend",
-        "numpy",
-    ]
+        "sweep", str(tmp_path / "spring.lag"), "--table", str(tmp_path / "points.csv"), "--backend", "numpy",
+    ]  # fmt: skip
     words += ["--rtol", "1e-6", "--stop", "0.1", "-o", str(tmp_path / "out.csv"), "--units", "--json"]
     assert main(words) == 0
     told = json.loads(capsys.readouterr().out)

@@ -8,8 +8,6 @@ generated: every model of the library, or those that are named, through all leve
 clang and every checker that is on this machine.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """What pyproject.toml demands, and the lock that follows from it."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from functools import cache

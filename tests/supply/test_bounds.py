@@ -1,7 +1,5 @@
 """Bounds and lock of what lagc needs say the same, and nothing about machines."""
 
-from __future__ import annotations
-
 from packaging.version import Version
 
 from tests.supply.bounds import LOCK, bound, locked, project, requirements

@@ -1,7 +1,5 @@
 """`tools/same_bits.py` lists each part that differs between two records, and nothing else."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Random expressions: grown at once as nodes of a graph and as functions of complex numbers."""
 
-from __future__ import annotations
-
 import cmath
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -24,13 +22,9 @@ class Pair:
 
 # smooth on the whole complex neighbourhood of the values tried
 SMOOTH: dict[str, Callable[[complex], complex]] = {
-    "sin": cmath.sin,
-    "cos": cmath.cos,
-    "atan": cmath.atan,
-    "tanh": cmath.tanh,
-    "sinh": cmath.sinh,
+    "sin": cmath.sin, "cos": cmath.cos, "atan": cmath.atan, "tanh": cmath.tanh, "sinh": cmath.sinh,
     "cosh": cmath.cosh,
-}
+}  # fmt: skip
 
 
 def leaf(graph: Graph, k: int) -> Pair:

@@ -1,7 +1,5 @@
 """Enclosures hold whatever their expressions come to, and are points where nothing moves."""
 
-from __future__ import annotations
-
 import math
 from random import Random
 

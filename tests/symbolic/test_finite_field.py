@@ -1,7 +1,5 @@
 """Exact values in a finite field: identities vanish, and nothing else does."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Callable

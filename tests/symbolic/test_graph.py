@@ -1,7 +1,5 @@
 """The graph's constructors keep their normal form and never change a value."""
 
-from __future__ import annotations
-
 import math
 import random
 

@@ -1,7 +1,5 @@
 """Intervals hold what expressions are, and zeros are where functions are zero."""
 
-from __future__ import annotations
-
 import math
 from random import Random
 

@@ -1,7 +1,5 @@
 """Derivatives by sums are those by leaves: against differences, and against plain reverse sweeps."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

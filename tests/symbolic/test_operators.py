@@ -1,7 +1,5 @@
 """What the rows say of the operators, against numbers with many digits."""
 
-from __future__ import annotations
-
 import math
 import random
 

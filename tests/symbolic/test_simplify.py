@@ -1,7 +1,5 @@
 """The length of a vector does not know how the vector is turned, whatever turns it."""
 
-from __future__ import annotations
-
 import math
 import random
 

@@ -1,7 +1,5 @@
 """Expressions of SymPy have the values and the derivatives of the graph."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import pytest

@@ -1,7 +1,5 @@
 """The text of an expression says what the expression is."""
 
-from __future__ import annotations
-
 import math
 import random
 import re

@@ -1,7 +1,5 @@
 """Walks, evaluation and vectors."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Trees without their places, to compare what two texts say."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from lagc.base.records import names

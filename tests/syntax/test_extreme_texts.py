@@ -1,7 +1,5 @@
 """Odd files, long ones, deep ones, damaged ones: a tree or a refusal, and soon."""
 
-from __future__ import annotations
-
 import gc
 import random
 import time

@@ -1,7 +1,5 @@
 """The one layout: what it looks like, that it changes nothing, and that it is final."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The grammar file is the syntax: Lark's own parser reads the models by it; the cache is a cache."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

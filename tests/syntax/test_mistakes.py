@@ -1,7 +1,5 @@
 """Each typical mistake: its code, its place, and the remedy; and that one mistake is one fault."""
 
-from __future__ import annotations
-
 import pytest
 
 from lagc.diagnostics.catalogue import entries

@@ -1,11 +1,13 @@
-"""What each construct of the language is read as, and where."""
+"""What each construct of the language is read as, and where. Names that other languages reserve, and those
+that are keywords of this one elsewhere."""
 
-from __future__ import annotations
+import keyword
 
 import pytest
 
 from lagc.diagnostics.faults import Source
 from lagc.syntax import tree
+from lagc.syntax.lalr_tables import tables
 from lagc.syntax.parse import parse
 
 
@@ -63,42 +65,23 @@ def shown(expression: tree.Expression) -> str:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("a + b*c", "(a + (b * c))"),
-        ("a - b - c", "((a - b) - c)"),
-        ("a/b*c", "((a / b) * c)"),
-        ("-a^2", "(- (a ^ 2))"),
-        ("-a*b", "((- a) * b)"),
-        ("2^-x", "(2 ^ (- x))"),
-        ("a*-b", "(a * (- b))"),
-        ("(a + b)*c", "((a + b) * c)"),
-        ("a.b.c", "a.b.c"),
-        ("P[i-1]", "P[(i - 1)]"),
-        ("a.bob[3].x", "a.bob[3].x"),
-        ("M[i, j + 1]", "M[i, (j + 1)]"),
-        ("P[1:n]", "P[1:n]"),
-        ("P[1:2:n]", "P[1:2:n]"),
-        ("f()", "f()"),
-        ("f(a, b = 2, c = {1, 2})", "f(a, b = 2, c = {1, 2})"),
-        ("a.f(x)", "a.f(x)"),
-        ("0.5 [m]", "0.5 [m]"),
-        ("{1, 0, 0} [rad/s]", "{1, 0, 0} [rad/s]"),
-        ("1 [ kg.m2 ]", "1 [kg.m2]"),
-        ("{}", "{}"),
-        ("{{1, 2}, {3, 4}}", "{{1, 2}, {3, 4}}"),
-        ("(a - b).x", "(a - b).x"),
-        ("(a - b)[1]", "(a - b)[1]"),
+        ("a + b*c", "(a + (b * c))"), ("a - b - c", "((a - b) - c)"), ("a/b*c", "((a / b) * c)"),
+        ("-a^2", "(- (a ^ 2))"), ("-a*b", "((- a) * b)"), ("2^-x", "(2 ^ (- x))"), ("a*-b", "(a * (- b))"),
+        ("(a + b)*c", "((a + b) * c)"), ("a.b.c", "a.b.c"), ("P[i-1]", "P[(i - 1)]"),
+        ("a.bob[3].x", "a.bob[3].x"), ("M[i, j + 1]", "M[i, (j + 1)]"), ("P[1:n]", "P[1:n]"),
+        ("P[1:2:n]", "P[1:2:n]"), ("f()", "f()"), ("f(a, b = 2, c = {1, 2})", "f(a, b = 2, c = {1, 2})"),
+        ("a.f(x)", "a.f(x)"), ("0.5 [m]", "0.5 [m]"), ("{1, 0, 0} [rad/s]", "{1, 0, 0} [rad/s]"),
+        ("1 [ kg.m2 ]", "1 [kg.m2]"), ("{}", "{}"), ("{{1, 2}, {3, 4}}", "{{1, 2}, {3, 4}}"),
+        ("(a - b).x", "(a - b).x"), ("(a - b)[1]", "(a - b)[1]"),
         ("if a > 0 then b else c", "(a > 0) ? b : c"),
         ("if a then b elseif c then d elseif e then f else g", "a ? b : c ? d : e ? f : g"),
         ("if a then b else if c then d else e", "a ? b : c ? d : e"),
-        ("a or b and not c", "(a or (b and (not c)))"),
-        ("not a == b", "(not (a == b))"),
-        ("a + 1 <= b", "((a + 1) <= b)"),
-        ("a <> b", "(a <> b)"),
-        ("true", "True"),
+        ("a or b and not c", "(a or (b and (not c)))"), ("not a == b", "(not (a == b))"),
+        ("a + 1 <= b", "((a + 1) <= b)"), ("a <> b", "(a <> b)"), ("true", "True"),
         ('table(file = "x.csv", n = 2)', "table(file = 'x.csv', n = 2)"),
         ("1e-3 + 2.5E+4 + .5 + 1.", "(((1e-3 + 2.5E+4) + .5) + 1.)"),
     ],
-)
+)  # fmt: skip
 def test_expressions(text: str, expected: str) -> None:
     assert shown(value(text)) == expected
 
@@ -364,3 +347,48 @@ def test_spans_of_units_and_arguments() -> None:
     assert text[unit.start : unit.end] == "[m]"
     assert unit.start == text.rindex("[m]")
     assert (declarator.span.start, declarator.span.end) == places(text, "l(min = 0 [m]) = 0.5 [m]")
+
+
+# The words that the grammar needs where an operand may stand.
+RESERVED = {"if", "not", "true", "false"}
+NAMES = sorted(
+    {
+        *keyword.kwlist,
+        *("auto", "break", "case", "char", "const", "default", "do", "double", "enum", "extern", "float"),
+        *("goto", "int", "long", "register", "short", "signed", "sizeof", "static", "struct", "switch"),
+        *("typedef", "union", "unsigned", "void", "volatile", "t", "q", "x", "I", "E", "N", "main", "self"),
+        *("math", "sin", "time", "world", "der", "y_1", "_x", "X9"),
+        *tables().keywords,
+    }
+    - RESERVED
+)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_names_that_others_reserve_are_legal(name: str) -> None:
+    text = (
+        f"model {name}\n"
+        f"  parameter Length {name}(min = 0) = 1, other = {name} + 1;\n"
+        f"  coordinate Angle {name}[3](start = {name}, each {name} = 2);\n"
+        f"  body {name} = Particle(mass = {name}, {name} = {name}.{name}[{name}]*{name});\n"
+        f"  force {name} = {name}*{{{name}, -{name}, ({name})}} at {name};\n"
+        f"  torque {name} = {name}/2 on {name} from {name} unless {name}, {name};\n"
+        f"  constraint {name}: {name} = {name};\n"
+        f"  for {name} in 1:{name} loop point P[{name}] = {name}; end for;\n"
+        f"  effect {name} potential V = if {name} > 1 then {name} else {name}; end {name};\n"
+        f"  scene {name} uses {name}, {name} start {name} = {name}; end {name};\n"
+        f"  output Real {name} = {name}(1) + 2*{name};\n"
+        f"end {name};\n"
+    )
+    (model,) = parse(Source("x", text)).declarations
+    assert isinstance(model, tree.ModelDeclaration) and model.name == name
+    assert len(model.body) == 10
+
+
+@pytest.mark.parametrize("name", sorted(set(NAMES) - {"end", "initial", "when"}))
+def test_keywords_are_names_before_signs_of_names(name: str) -> None:
+    text = f"model M initial x = 0; {name} = 1; {name}.y = 2; {name}[1] = 3; {name} + 1 = 4; end M;"
+    (model,) = parse(Source("x", text)).declarations
+    assert isinstance(model, tree.ModelDeclaration)
+    (initial,) = model.body
+    assert isinstance(initial, tree.Initial) and len(initial.conditions) == 5

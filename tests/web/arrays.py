@@ -1,8 +1,6 @@
 """The expressions of `test_arrays.py`, as the process that has only the array functions of the playground
 evaluates them: `python arrays.py` prints their values in JSON, and the file of NumPy."""
 
-from __future__ import annotations
-
 import json
 import math
 from typing import Any

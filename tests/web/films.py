@@ -1,7 +1,5 @@
 """What is drawn of models, as JSON: `python films.py MODEL ...`, for `test_arrays.py`."""
 
-from __future__ import annotations
-
 import json
 import sys
 from typing import Any

@@ -1,7 +1,5 @@
 """The array functions of the playground are those of NumPy."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -2,8 +2,6 @@
 
 Needs Node and the packages of `tools/playground` (`npm ci`); the page needs Chromium."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """The site: all documents are in it, and its builder has nothing to say."""
 
-from __future__ import annotations
-
 import re
 import sys
 from pathlib import Path

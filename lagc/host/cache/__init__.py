@@ -6,8 +6,6 @@ error; `notes` collects the problems.
 `tool_fingerprint` identifies the sources of lagc, which change under the same version in a checkout.
 """
 
-from __future__ import annotations
-
 import marshal
 import os
 import sys

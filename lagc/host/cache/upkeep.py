@@ -1,7 +1,5 @@
 """Maintenance of the cache: list, verify, clear and shrink it."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -266,6 +266,9 @@ def take_forces(xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
             row = law.unknown[e]
             if law.lack[law.contact[e]] > 0.0:
                 w.contacts.forces[w.contacts.touching_rows[row]] = law.scale[row] * law.share[e]
+        for n in range(law.count):
+            if law.shared[n] > 0:
+                w.shared[w.contacts.touching[n]] = 1
     set_margins(w)
 
 

@@ -362,6 +362,8 @@ class Work:
     fallbacks: Count  # linear solves that used the slower, rank-revealing factorization
     if NC > 0:
         redundant: IVec[NC]  # 1: this constraint equation was found to depend on others
+    if NBESIDE > 0:
+        shared: IVec[NCON]  # 1: the force of this contact was one choice of many
     # Private from here on: the library alone reads and writes these fields.
     # Right-hand side
     lam: Vec[NC]

@@ -47,6 +47,7 @@ def displace_check(p: Params, x0: Vec[NX], v: Verification) -> None:
 
 def begin_attempt(p: Params, x0: Vec[NX], begin_time: Real, o: Options, r: Report, v: Verification) -> None:
     """Set both runs to the beginning."""
+    # The options of this attempt, and the run and its displaced check at the first time.
     o.rtol = v.tolerance
     o.alone = v.alone
     begin(v.run, begin_time, x0)
@@ -55,6 +56,7 @@ def begin_attempt(p: Params, x0: Vec[NX], begin_time: Real, o: Options, r: Repor
     state_quantities(p, begin_time, x0, v.of_run, v.run_work)
     v.low[:] = v.of_run
     v.high[:] = v.of_run
+    # No differences, ranges and errors so far; the initial values are the first ones of each range.
     for i in range(NQUANTITY):
         v.gap[i] = 0.0
         v.near[i] = 0.0
@@ -72,6 +74,7 @@ def begin_attempt(p: Params, x0: Vec[NX], begin_time: Real, o: Options, r: Repor
     v.set_out_time = begin_time
     if NZ > 0:
         v.work_error = 0.0
+    # Events and jumps are counted from here on in both runs.
     if NMODE > 0:
         v.lag = 0
         v.changes_before = 0
@@ -168,6 +171,8 @@ def compare_recorded(p: Params, times: Vec[Any], o: Options, states: Rows[NX], o
     """Compare the recorded times within the last step of the check with its dense output. `changes` is the
     number of events before that step: an event of a step is at its end."""
     while v.checked < r.done and times[v.checked] <= v.check.t:
+        # The step of the run in which the time lies. States are compared strictly within a step of both runs,
+        # where both have passed the same events: an event lies at the end of a step.
         t = times[v.checked]
         step = 0
         while step + 1 < v.steps_done and t >= v.block_times[step + 1]:

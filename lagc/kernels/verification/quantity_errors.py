@@ -200,6 +200,15 @@ def scale_of(i: Size, group: Real, moved: Real, accuracy: Real, underway: bool, 
     if scale <= CONSTANT * size or (scale <= SURELY_MOVES * size and by_chance):
         scale = group if largest <= noise else size
         v.constant[i] = 1
+    # The speed of a coordinate that stands: its errors count by how far they move the coordinate.
+    if not HAS_DISPLACE:
+        if i >= NQ and i < NQ + NV and by_chance and v.constant[i - NQ] == 1:
+            stands = v.scale[i - NQ] / (v.run.t - v.begin_time)
+            if stands > group:
+                stands = group
+            if stands > scale:
+                scale = stands
+                v.constant[i] = 1
     if NQUAT > 0:
         for k in range(NQUAT):
             if i >= quaternion[k] and i < quaternion[k] + 4:
@@ -228,18 +237,22 @@ def estimate_errors(scales: Vec[NQUANTITY], accuracy: Real, method: int, underwa
     """Set errors and scales of the quantities from what was compared so far; return the largest error over
     scale, of a run that is underway as if it ended here. That of the times of jumps is relative to the time
     of the run."""
+    # The difference of both runs is the part `known_part` of the error of the run. The margin is larger for
+    # few steps, for events, and for tolerances near round-off.
     events: Count = 0
     if NMODE > 0:
         events = v.run.changes
     margin = SAFETY / known_part(method) * (1.0 + (1.0 + events) / (v.run.steps + 1.0))
     if v.tolerance <= FINE:
         margin *= FINE_SAFETY
+    # The largest range of a state in each scaling group.
     ranges = vector(NGROUP)
     for k in range(NGROUP):
         ranges[k] = 0.0
     for i in range(NQ + NV):
         if v.high[i] - v.low[i] > ranges[scaling_group[i]]:
             ranges[scaling_group[i]] = v.high[i] - v.low[i]
+    # The error of a quantity: the margin times the difference, and the round-off that both runs share.
     worst = 0.0
     v.misses_by_small = False
     for i in range(NQUANTITY):

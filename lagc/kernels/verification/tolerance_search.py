@@ -61,6 +61,7 @@ def run_attempt(p: Params, times: Vec[Any], n: Length, g: Goal, scales: Vec[NQUA
             return INTERRUPTED
         if NMODE > 0:
             changes = v.run.changes
+        # Advance the run alone until its block is full, then let the check follow and compare both.
         ended = step_run(p, times, n, o, states, outputs, r, v)
         if failed(ended) and ended != TERMINATED:
             return ended

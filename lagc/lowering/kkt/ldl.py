@@ -5,8 +5,6 @@ those within the definition to A_uw + c_u z_w + A_uk c_w. There is no pivoting: 
 the residual, which the caller checks.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from lagc.base.records import dataclass, field

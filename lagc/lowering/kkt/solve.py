@@ -3,8 +3,6 @@
 All use one `Elimination` of the matrix of the equations, with the unknowns (a, -lam).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 
 from lagc.base.records import dataclass, replace

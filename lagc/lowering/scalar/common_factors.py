@@ -3,8 +3,6 @@
 Transformations keep the value up to round-off and always save operations; nothing is distributed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from heapq import heapify, heappop, heappush, heapreplace
 from math import isfinite

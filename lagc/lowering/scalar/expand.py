@@ -9,8 +9,6 @@ of products cancel and sin^2 + cos^2 meet. Other sums, such as differences of le
 would lose digits.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from math import inf
 

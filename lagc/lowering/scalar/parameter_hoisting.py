@@ -4,8 +4,6 @@ One function computes all values of parameters and numbers that cost an operatio
 quotient by such a value becomes a product with its inverse.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from lagc.base.records import replace

@@ -8,8 +8,6 @@ The shortest chain results if the two parts that are ready first are combined, r
 Bovet, *Compilation of arithmetic expressions for parallel computations*, 1968).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from heapq import heapify, heappop, heappush
 

@@ -4,8 +4,6 @@ Each property is proved, by exact values on every branch (`zero_test`) or by a r
 (`mobility`), or it *seems* to hold: in all tested states that meet the constraints.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from itertools import chain

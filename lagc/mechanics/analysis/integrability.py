@@ -11,8 +11,6 @@ Groups*, th. 2.32). Brackets are formed only where the first derived system is l
 long, those that were formed bound the number of relations.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 

@@ -7,8 +7,6 @@ which also distinguishes rows that agree in double precision. Where surfaces tou
 steps (`Consistent.freedom`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 
 from lagc.base.records import dataclass, replace

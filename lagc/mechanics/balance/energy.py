@@ -15,8 +15,6 @@ the power is the constant zero. A body's velocity u = (linear in the rates) + d 
 its momentum p.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 

@@ -9,8 +9,6 @@ an expression in the states, accelerations and multipliers of the model itself (
 *Dynamics: Theory and Applications*, 1985, section 4.9: bringing noncontributing forces into evidence).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from lagc.diagnostics.faults import Fault, Refused

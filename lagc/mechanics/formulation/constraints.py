@@ -6,8 +6,6 @@ is a velocity row psi(t,q,v) = 0, affine in v or not. For both,
     G = d(rate)/d(v)        G a = gamma,  gamma = -d(rate)/dt along the motion with v' = 0.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from lagc.base.records import dataclass

@@ -24,8 +24,6 @@ p_n is a load against the slip (F. Pfeiffer, C. Glocker, Multibody Dynamics with
 5.2). An open contact is nothing.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence, Set
 
 from lagc.base.records import replace

@@ -6,8 +6,6 @@ orientation (Euler-Poincare; both are Boltzmann-Hamel equations: A. M. Bloch, *N
 Mechanics and Control*, 2015, sec. 3.8).  E is then taken to the speeds by virtual power.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from lagc.base.records import dataclass

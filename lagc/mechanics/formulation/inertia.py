@@ -11,8 +11,6 @@ velocities, so prefix sums along a chain are shared. Kane, Levinson, *Dynamics: 
 1985, ch. 4.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from lagc.diagnostics.faults import Fault, Refused

@@ -2,8 +2,6 @@
 are used.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from lagc.symbolic.derivative import Slopes, by_sums, gradient, slopes

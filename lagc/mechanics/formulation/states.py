@@ -6,8 +6,6 @@ Cramer's rule (a rotated pair of rates has the determinant cos^2 + sin^2 = 1 and
 elimination.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 

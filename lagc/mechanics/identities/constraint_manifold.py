@@ -4,8 +4,6 @@ Gauss-Newton with steps of least norm, without dependent rows, for questions of 
 compile time. The initial state of a run is computed by `kernels.initialization`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 

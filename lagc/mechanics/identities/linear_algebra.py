@@ -5,8 +5,6 @@ are remainders by rounding is wide: the last bits of a singular value, which dep
 nothing.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from operator import mul

@@ -10,8 +10,6 @@ was rotated ten times. So the size is measured: the change of the value if each 
 small relative error, over that error (stochastic arithmetic: J. Vignes, *Math. Comput. Simul.* 35, 1993).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from random import Random

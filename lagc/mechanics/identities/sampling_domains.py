@@ -9,8 +9,6 @@ only for unknowns for which they can be solved at a state of the motion too. An 
 all these solutions vanishes on the motion.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from itertools import chain

@@ -12,8 +12,6 @@ value refutes it if every relation of the expression's functions is known. The s
 an expression *seems* to vanish if terms that are not zero cancel on all states tried, on every branch.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import combinations, product

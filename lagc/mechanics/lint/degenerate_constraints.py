@@ -5,8 +5,6 @@ degree of freedom. It is recognized by structure: a power, or a sum of terms of 
 zero. The gradient of a product such as `x^2*y` vanishes on one branch.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from lagc.diagnostics.faults import Fault, Refused

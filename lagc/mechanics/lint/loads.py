@@ -4,8 +4,6 @@ Two potentials have the same forces if they change alike between any two configu
 compared.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from random import Random
 

@@ -1,7 +1,5 @@
 """Terms collected as a person would: a polynomial becomes a sum of products of sums."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from fractions import Fraction
 from functools import cached_property

@@ -6,8 +6,6 @@ Exponents are integers, or halves for roots. Beyond `limit` products `TooLarge` 
 writes the expression in another way.
 """
 
-from __future__ import annotations
-
 from collections import ChainMap
 from collections.abc import Iterable, Sequence
 from fractions import Fraction

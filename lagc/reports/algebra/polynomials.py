@@ -1,7 +1,5 @@
 """Sums of monomials with exact coefficients, and the numbers of a model as such coefficients."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from fractions import Fraction
 from math import floor, gcd, log10

@@ -6,8 +6,6 @@
 and the same with u + w. Every step leaves fewer terms or fewer factors, so the search ends.
 """
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 from lagc.reports.algebra.expansion import Algebra

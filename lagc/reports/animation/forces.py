@@ -1,7 +1,5 @@
 """Forces along a run as arrows: weights, loads and reactions."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
@@ -13,7 +11,8 @@ from lagc.reports.animation.frames import Frames
 from lagc.reports.animation.scene import Scene
 from lagc.reports.animation.states import Array, values
 from lagc.reports.animation.surfaces import Row
-from lagc.semantics.model import Force
+from lagc.semantics.model import Coordinate, Force
+from lagc.symbolic.walk import symbols
 
 Evaluate = Callable[[Sequence[str], Array, Array], list[Array]]  # of texts at times and states
 
@@ -95,16 +94,43 @@ def _reactions(scene: Scene, frames: Frames, evaluate: Evaluate) -> Iterator[Arr
     least, drawn = _least_force(scene, frames), set[int]()
     for (kind, name), value in _evaluated(texts, frames, evaluate):
         if kind == "row":
-            acting = [*_of_row(scene, frames, scene.rows.known[name], value)]
-            drawn |= {i for i, _ in acting}
+            acting = [("reaction", i, v) for i, v in _of_row(scene, frames, scene.rows.known[name], value)]
+            drawn |= {i for _, i, _ in acting}
         else:
             i = scene.place_of(name, kind)
             first = None if i is None else scene.sample.first[i]
             # the reaction of a body is the sum of those of its constraints, which have arrows
-            acting = [] if i is None or first in drawn else [(i, value.T)]
-        for i, v in acting:
+            if i is None or first in drawn:
+                continue
+            load = _load_in(scene, frames, name, value.T) if kind == "body" else np.zeros(value.T.shape)
+            acting = [("load", i, load), ("reaction", i, value.T - load)]
+        for part, i, v in acting:
             if np.isfinite(v).any() and np.nanmax(np.abs(v)) > least:
-                yield Arrow(name, "reaction", frames.p[i], v)
+                yield Arrow(name, part, frames.p[i], v)
+
+
+def _load_in(scene: Scene, frames: Frames, name: str, reaction: Array) -> Array:
+    """Return the part of the reaction (3, n) of a particle that does virtual work where the particle alone
+    moves. Ideal constraints do none (d'Alembert), so it is the force of potentials and forces of
+    coordinates."""
+    model, given = scene.model, frames.symbol_values
+    body = next(body for body in model.bodies if body.name == name)
+    # A coordinate on which other bodies or constraints depend transmits their forces.
+    others = [other for other in model.bodies if other is not body]
+    axes = [row for other in others if other.frame is not None for row in other.frame.axes]
+    rows = [*(c.residuals for c in model.constraints), *((c.gap, *c.slip) for c in model.contacts)]
+    tied = symbols([node for row in (*(other.position for other in others), *axes, *rows) for node in row])
+    own = [c for c in model.coordinates if isinstance(c, Coordinate) and c.symbol not in tied]
+    n, directions = len(frames.t), list[Array]()
+    for c in own:
+        sides = [values(body.velocity, {**given, c.rate_symbol: rate}, n) for rate in (1.0, 0.0)]
+        directions.append(sides[0] - sides[1])
+    if not directions:
+        return np.zeros(reaction.shape)
+    # The projection onto the directions of motion J is J pinv(J).
+    slopes = np.nan_to_num(np.moveaxis(np.array(directions), 0, 2).swapaxes(0, 1))
+    along: Array = np.einsum("nij,njk,kn->in", slopes, np.linalg.pinv(slopes), reaction)
+    return along
 
 
 def _friction(scene: Scene, frames: Frames, evaluate: Evaluate) -> Iterator[Arrow]:

@@ -5,8 +5,6 @@ them states are interpolated by the cubic Hermite polynomial of states and rates
 G. Wanner, *Solving Ordinary Differential Equations I*, 1993, II.6), until a straight line is as good.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import TypeAlias

@@ -1,7 +1,5 @@
 """Rods, spokes, arms, springs and dampers: distances that never change, or that an energy depends on."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from typing import Any

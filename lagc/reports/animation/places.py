@@ -1,7 +1,5 @@
 """The places of a model: bodies, points and joints, at random configurations and over the run."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

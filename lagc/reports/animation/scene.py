@@ -5,8 +5,6 @@ that are drawn at random, and keeps what is the same at all of them: a distance 
 residual that is affine in a place is a plane, a root in an energy that equals a distance is a spring.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any

@@ -5,8 +5,6 @@ those of the body; other figures are only marks. A solid has the shape of equal 
 the length sqrt(12 I/m), a cylinder of the radius sqrt(2 I/m), a box, a ball of the radius sqrt(5/2 I/m).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any

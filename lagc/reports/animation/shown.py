@@ -1,7 +1,5 @@
 """The content of an animation: the scene of a run, its frames and forces, and other runs as ghosts."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 from lagc.base.records import dataclass

@@ -1,8 +1,6 @@
 """Values of the symbols of a model, at the states of a run and at random configurations, and of expressions
 over them."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Callable, Mapping, Sequence

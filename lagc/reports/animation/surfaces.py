@@ -1,7 +1,5 @@
 """Surfaces, strings and pins: residuals and gaps as functions of a place, or of the distance of two."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The sections on given actions and on the forces of constraints."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from lagc.mechanics.formulation.equations import ContactRow, Law

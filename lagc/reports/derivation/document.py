@@ -4,8 +4,6 @@ A text is a string in which `math` and `bold` have marked formulas in LaTeX and 
 paragraph, rows of formulas, a list, a table or a picture. `formats` and `html` write blocks.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from typing import TypeAlias

@@ -1,7 +1,5 @@
 """A solution in Markdown, in LaTeX, and in PDF by a LaTeX of this machine."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

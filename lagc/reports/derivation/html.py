@@ -1,7 +1,5 @@
 """A solution in HTML: a page of its own, or a part of a notebook. Sections fold; formulas are MathML."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from html import escape

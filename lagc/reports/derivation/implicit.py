@@ -6,8 +6,6 @@ velocities of the bodies at a generic state. A list is proved where its forms va
 model, are independent, and are as many as the parameters that the constraints saved.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, TypeAlias

@@ -1,7 +1,5 @@
 """The sections on kinematics and on virtual velocities."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 
 from lagc.reports.algebra.expansion import TooLarge

@@ -5,8 +5,6 @@ rotation in the axes in which the inertia is constant. A component with a sum of
 drive, stays together where K is shorter so: the rotation of a top about its axis, m (x' + gamma t)^2.
 """
 
-from __future__ import annotations
-
 from itertools import combinations_with_replacement
 
 from lagc.reports.algebra.expansion import TooLarge

@@ -1,7 +1,5 @@
 """The sections on Lagrange's equations, on the result, and on the form with L."""
 
-from __future__ import annotations
-
 from lagc.reports.derivation.actions import index
 from lagc.reports.derivation.document import Row, math
 from lagc.reports.derivation.draft import Draft

@@ -1,7 +1,5 @@
 """The sections on parameters and on explicit constraints, and the count of unknowns."""
 
-from __future__ import annotations
-
 from lagc.mechanics.analysis.analysis import RowKind
 from lagc.mechanics.formulation.equations import ContactRow
 from lagc.mechanics.formulation.equations import Row as Constraint

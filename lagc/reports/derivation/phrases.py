@@ -3,8 +3,6 @@
 `{}` is a place for a formula, a name or a number. Sentences avoid agreement with numbers.
 """
 
-from __future__ import annotations
-
 LANGUAGES = ("en", "fr", "de")
 
 _TABLE = """

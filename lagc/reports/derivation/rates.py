@@ -5,8 +5,6 @@ to the speeds at the end. An orientation has three rates, the components of its 
 the body.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 

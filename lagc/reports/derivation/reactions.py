@@ -8,8 +8,6 @@ with D the directions in which the forces act: the gradients of perfect constrai
 slips the normal less mu sgn(u) of the slip.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple

@@ -4,8 +4,6 @@ Every formula that is written is recorded with the expression that it stands for
 their values.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from fractions import Fraction

@@ -6,8 +6,6 @@ matrix      the entries of M, h, Q, G and gamma
 hamilton    p = dK/dq',  H(q, p),  q' = dH/dp,  p' = -dH/dq   (W. R. Hamilton, 1835)
 """
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 from lagc.mechanics.balance.energy import BY_DEGREES, WHOLE

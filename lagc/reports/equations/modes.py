@@ -6,8 +6,6 @@ and rubs along its slip: less than mu lambda while it sticks, -mu lambda u/|u| w
 contact are written in each mode, those of several once, with the laws that hold in all modes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from lagc.base.records import dataclass, replace

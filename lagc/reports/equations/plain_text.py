@@ -1,7 +1,5 @@
 """Formulas as plain text: `l*theta'' + g*sin(theta) = 0`."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress

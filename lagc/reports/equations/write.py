@@ -5,8 +5,6 @@
 each up to a factor that is a number or a product of parameters.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from lagc.mechanics.formulation.equations import EquationsOfMotion

@@ -4,8 +4,6 @@ A rule is found if all numbers change evenly from one to the next, decimals up t
 gives the same formulas. A formula that does not fit stays separate.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Hashable, Sequence
 from fractions import Fraction

@@ -4,8 +4,6 @@ M a + h - tau - G^T lam is one reverse sweep over the velocities (virtual power)
 proportional to the model, and they repeat with it.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Hashable, Sequence
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Declarations of frames, points, loads, energies and constraints, and placeholders for some of them."""
 
-from __future__ import annotations
-
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Span, Wrong
 from lagc.semantics import model as objects

@@ -1,7 +1,5 @@
 """Attributes and values of declared quantities, from the declaration, modifiers, scenes and the command."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 

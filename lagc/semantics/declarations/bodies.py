@@ -1,7 +1,5 @@
 """Declarations of particles, solids and gravity."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from typing import Any

@@ -5,8 +5,6 @@ is zero; then it may push its gap open, and never pulls. A gap between velocitie
 `der(hub) >= der(sprocket)`, is a contact at velocity level: it is hit by impulses alone, without rebound.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from math import inf
 

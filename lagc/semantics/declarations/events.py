@@ -1,7 +1,5 @@
 """Discrete variables, `discrete Real mode(start = 1);`, and the `when` clauses that change them."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable, Sequence
 

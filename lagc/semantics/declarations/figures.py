@@ -1,7 +1,5 @@
 """Declarations of figures, which are drawn in animations and are part of no equation."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from lagc.diagnostics.faults import Wrong

@@ -5,8 +5,6 @@ is the force of the joint across its axis.  That of an open joint is a reaction 
 one that closes a loop has the multipliers of its equations as components.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from lagc.diagnostics.faults import Poisoned, Span, Wrong

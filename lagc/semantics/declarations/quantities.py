@@ -1,7 +1,5 @@
 """Declarations of constants, parameters, inputs, coordinates, orientations, speeds and outputs."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -2,8 +2,6 @@
 declaration to write, in the dimension of its place; also for quantities without their kind or type.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """Calls of built-in functions and of those of the model and its packages; constants and types of files."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from functools import cache, partial
 

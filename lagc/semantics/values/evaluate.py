@@ -1,7 +1,5 @@
 """Evaluation of expressions of the model language; `expressions` implements each kind."""
 
-from __future__ import annotations
-
 import math
 import operator
 from collections.abc import Callable, Iterable

@@ -1,7 +1,5 @@
 """Evaluation of each kind of expression; operators on values, with the dimensions of their results."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 

@@ -4,8 +4,6 @@ A vector that is a sum of a frame's unit vectors with constant factors is recogn
 components in the frame, and give its length, whatever the rotation.
 """
 
-from __future__ import annotations
-
 from collections.abc import Container, Sequence
 from typing import TypeAlias
 

@@ -1,7 +1,5 @@
 """Built-in functions of numbers, vectors and arrays."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any, TypeAlias

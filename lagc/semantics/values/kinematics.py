@@ -1,7 +1,5 @@
 """Functions of motion: positions, velocities, time derivatives, rotations, and quantities of the run."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from lagc.diagnostics.faults import Span, Wrong

@@ -1,7 +1,5 @@
 """Members and elements of values: `frame.x`, `vector.z`, `orientation.rate`, `instance.name`, subscripts."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 from lagc.diagnostics.faults import Wrong

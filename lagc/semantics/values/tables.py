@@ -1,7 +1,5 @@
 """Tables that interpolate data: points in the text, or columns of a file."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Units as people write them: numbers without one, spellings such as `Nm`, `Kg`, `°`, `m s^-2`, `meters`."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache

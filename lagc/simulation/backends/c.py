@@ -283,6 +283,7 @@ class CSystem(CompiledSystem):
             steps=state.steps, rejected=state.rejected, rhs=state.rhs, stiff=state.stiff,
             step=state.t - state.t_old, fallbacks=head.fallbacks,
             redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
+            shared_contacts=tuple([i for i, shares in enumerate(getattr(head, "shared", ())) if shares]),
             position_drift=state.position_drift, velocity_drift=state.velocity_drift,
             sizes=state.sizes[:], lowest=state.lowest[:], highest=state.highest[:],
             changes=state.changes if events else 0, **log.known(),

@@ -360,6 +360,7 @@ def verify(
             culprit=-1 if status == OK else run.culprit, steps=run.steps, rejected=run.rejected, rhs=run.rhs,
             stiff=run.stiff, step=run.t - run.t_old, fallbacks=work.fallbacks,
             redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
+            shared_contacts=tuple([i for i, shares in enumerate(getattr(work, "shared", ())) if shares]),
             position_drift=run.position_drift, velocity_drift=run.velocity_drift, sizes=run.sizes[:],
             lowest=run.lowest[:], highest=run.highest[:],
             changes=run.changes if interface.relations else 0, **log.known(),

@@ -1,7 +1,5 @@
 """Errors that a run reports, chaos, stiffness, events, and a linear model."""
 
-from __future__ import annotations
-
 from math import asin, cos, inf, log, pi, sin, sqrt
 
 from lagc.simulation.system import Options

@@ -1,7 +1,5 @@
 """All hard cases, in the order of the table: the rows of `cases.toml`, then the files of references."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping
 from functools import partial

@@ -1,7 +1,5 @@
 """Contacts, impacts and dry friction: files of references, and closed forms."""
 
-from __future__ import annotations
-
 from math import atan2, cos, hypot, inf, sqrt
 from typing import Any
 

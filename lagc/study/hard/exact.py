@@ -1,7 +1,5 @@
 """Independent solutions, in closed form or in long arithmetic, to compare runs with."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from decimal import Decimal, localcontext
 from math import pi, sqrt

@@ -1,7 +1,5 @@
 """Long runs: what accumulates, and what must not.  In Python they are shorter."""
 
-from __future__ import annotations
-
 from math import atan, atanh, cos, hypot, pi, sin, sinh, sqrt, tanh
 
 import numpy as np

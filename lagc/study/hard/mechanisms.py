@@ -1,7 +1,5 @@
 """Closed loops, lost ranks, constraints that depend on or contradict each other, or move, and long chains."""
 
-from __future__ import annotations
-
 from math import pi
 from time import process_time
 from typing import Any

@@ -3,8 +3,6 @@
 An executor is one of `concurrent.futures`, whose `submit` a sweep calls, or a `distributed.Client`.
 """
 
-from __future__ import annotations
-
 import pickle
 import subprocess
 import sys

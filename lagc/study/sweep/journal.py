@@ -4,8 +4,6 @@ The first line names the sweep.  A record is a line of JSON.  One that is not co
 killed or the disk was full, is cut off.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from base64 import b64decode, b64encode

@@ -4,8 +4,6 @@ A plan is a product of blocks, the last one fastest.  A block has one name, or s
 together: a table, axes that are zipped, a random sample.  No list of all points is made.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import isfinite, prod

@@ -1,7 +1,5 @@
 """Run all points of a plan, in chunks, and keep those that are done."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from math import inf
@@ -38,10 +36,12 @@ class Running:
     def run(self, executor: Any) -> None:
         """Run all points: the first ones in this process, to compile the model and to see how long a run
         takes, the others by `executor`; None: in this process too."""
-        self._alone(inf if executor is None or executor == 1 else ALONE if isinstance(executor, int) else 0.0)
+        self._run_here(
+            inf if executor is None or executor == 1 else ALONE if isinstance(executor, int) else 0.0
+        )
         if self.left:
             with opened(executor) as (pool, width):
-                self._together(pool, width)
+                self._run_by(pool, width)
 
     def _look(self, _: float = 0.0) -> None:
         """Call `progress`, if it was not called a moment ago."""
@@ -50,13 +50,14 @@ class Running:
             self.looked = now
             self.progress()
 
-    def _alone(self, most: float) -> None:
+    def _run_here(self, most: float) -> None:
         """Run chunks in this process, until their work took `most` seconds."""
         while self.left and self.spent <= most:
             self._take(run(self.task, *self._next(1), self._look))
             self._look()
 
-    def _together(self, pool: Any, width: Callable[[], int]) -> None:
+    def _run_by(self, pool: Any, width: Callable[[], int]) -> None:
+        """Run all chunks by the workers of a pool, which has room for `width()` of them at a time."""
         running: set[Future[Record]] = set()
         try:
             while running or self.left:

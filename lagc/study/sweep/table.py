@@ -1,7 +1,5 @@
 """The results of a sweep: a row for each point, as a table, an array over the axes, or a file."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from importlib import import_module

@@ -95,7 +95,7 @@ def run(task: Task, first: int, points: Sequence[Point], progress: Progress = la
     watched = Forecast(progress, task.request.stop or 0.0, task.most_time)
     for k, point in enumerate(points):
         if k % BLOCK == 0 and runner.spent > ALONE:
-            runner.ahead(points[k : k + BLOCK])
+            runner.run_side_by_side(points[k : k + BLOCK])
         row, reason = runner.row(point, watched)
         rows.extend(row)
         if reason is not None:
@@ -125,7 +125,7 @@ class Runner:
             taking = model.taking(task.request.method or DEFAULT_METHOD)
             self.repeated = repeated(taking.system("c"), task.request, self.columns, self.last)
 
-    def _given(self, point: Point) -> tuple[list[float], dict[str, float]]:
+    def _values_of(self, point: Point) -> tuple[list[float], dict[str, float]]:
         """Return the array p and the initial values of a point.  Raises Refused."""
         values, starts = list(self.task.values), {**self.task.request.starts}
         for k, i, field in self.varied:
@@ -139,20 +139,20 @@ class Runner:
     def _places(self, starts: Mapping[str, float]) -> dict[int, float]:
         return {self.place[name]: value for name, value in starts.items()}
 
-    def ahead(self, points: Sequence[Point]) -> None:
+    def run_side_by_side(self, points: Sequence[Point]) -> None:
         """Make the next runs side by side, where that is possible."""
         if isinstance(self.repeated, RunsByHand):
             given = []
             for point in points:
                 with suppress(Refused):
-                    values, starts = self._given(point)
+                    values, starts = self._values_of(point)
                     given.append((values, self._places(starts)))
             self.repeated.ahead(given)
 
     def row(self, point: Point, progress: Progress) -> tuple[list[float], tuple[str, str] | None]:
         """Return the numbers of a run, and the code and the message of one that did not go as asked."""
         try:
-            values, starts = self._given(point)
+            values, starts = self._values_of(point)
             plain = self.repeated
             if plain is not None and plain.run(values, self._places(starts), progress):
                 status = float(STATUSES.index("terminated" if plain.ended else "ok"))

@@ -1,7 +1,5 @@
 """Explanations of common syntax mistakes, one function each; here their context, and repairs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 from lagc.base.records import dataclass

@@ -1,7 +1,5 @@
 """Mistakes with keywords, names and the parts of declarations."""
 
-from __future__ import annotations
-
 import re
 from itertools import pairwise
 

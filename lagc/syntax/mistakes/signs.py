@@ -1,7 +1,5 @@
 """Mistakes with operators, comparisons, brackets, separators and units."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 

@@ -1,8 +1,6 @@
 """A particle on a line under a constant force, with clauses `when` that change its place and speed: walls,
 kicks, speed limits; and its motion to 40 digits."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from random import Random

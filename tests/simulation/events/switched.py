@@ -1,8 +1,6 @@
 """A particle on a line under forces that are piecewise constant in time and place, and its motion to 40
 digits: one parabola after the other."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from random import Random

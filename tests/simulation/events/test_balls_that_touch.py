@@ -1,7 +1,5 @@
 """Balls that touch collide where they approach each other, and only there."""
 
-from __future__ import annotations
-
 from math import pi, sqrt
 
 import pytest

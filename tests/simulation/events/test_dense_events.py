@@ -1,8 +1,6 @@
 """Motions with more events than steps: a mass on a spring between two walls, whose phase is a triangle
 wave, and a mass that is pushed back and forth."""
 
-from __future__ import annotations
-
 from math import asin, cos, hypot, sin
 from random import Random
 

@@ -1,7 +1,5 @@
 """Discrete variables: hysteresis, sampled control, modes; where they are reported, and what is refused."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 from math import exp, log
@@ -18,7 +16,7 @@ MODELS = Path(__file__).parents[3] / "models" / "classic"
 BOTH = pytest.mark.parametrize("backend", ["numpy", "c"])
 
 
-def model(name: str, backend: str = "numpy") -> lagc.api.CompiledModel:
+def model(name: str, backend: str = "numpy") -> lagc.CompiledModel:
     return lagc.load(str(MODELS / f"{name}.lag")).compile(backend=backend)
 
 
@@ -187,17 +185,8 @@ int main(void)
 """)
     sources = [str(tmp_path / name) for name in ("main.c", "stick_slip_belt.c")]
     command = [
-        "cc",
-        "-std=c99",
-        "-Wall",
-        "-Wextra",
-        "-Werror",
-        "-O1",
-        *sources,
-        "-lm",
-        "-o",
-        str(tmp_path / "a"),
-    ]
+        "cc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-O1", *sources, "-lm", "-o", str(tmp_path / "a"),
+    ]  # fmt: skip
     subprocess.run(command, check=True)
     lines = subprocess.run([str(tmp_path / "a")], capture_output=True, text=True, check=True).stdout.split(
         "\n"

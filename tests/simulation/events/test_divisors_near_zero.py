@@ -1,7 +1,5 @@
 """No step passes over an encounter, a barrier or a wall, where a divisor comes near zero."""
 
-from __future__ import annotations
-
 from math import atan, cos, cosh, hypot, sin, sinh, sqrt
 from typing import Any
 
@@ -10,6 +8,7 @@ from mpmath import mp, mpf, quad
 from scipy.special import sici
 
 import lagc
+from lagc.api import Run
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 
@@ -20,7 +19,7 @@ LINE = """model M
 end M;"""
 
 
-def run(text: str, stop: float, accuracy: float, backend: str = "numpy") -> lagc.Run:
+def run(text: str, stop: float, accuracy: float, backend: str = "numpy") -> Run:
     found = lagc.loads(text).compile(backend=backend).simulate(stop, accuracy=accuracy, points=21)
     assert found.status == "ok", found.message
     return found

@@ -1,7 +1,5 @@
 """Event location: no zero crossing is missed, and the reported error holds."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,8 +1,6 @@
 """Contacts that just touch: along a chain, indicators leave zero one after the other, and grow by powers
 that dense output does not represent."""
 
-from __future__ import annotations
-
 from math import cos
 
 import numpy as np

@@ -1,7 +1,5 @@
 """An event indicator that crosses zero by round-off changes nothing."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """A run that gets to a kink or a jump ends there, and says why."""
 
-from __future__ import annotations
-
 import pytest
 
 import lagc

@@ -1,7 +1,5 @@
 """No step passes over a smooth term that is large for a moment and negligible otherwise."""
 
-from __future__ import annotations
-
 import math
 from random import Random
 
@@ -9,6 +7,7 @@ import pytest
 from mpmath import mp, mpf, quad
 
 import lagc
+from lagc.api import Run
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 
@@ -22,7 +21,7 @@ AREAS = [math.sqrt(2.0 * math.pi), 5.0 * math.pi / 16.0, 2.0, 2.0]  # under them
 AREAS.append(math.sqrt(math.pi / math.log(2.0)))
 
 
-def run(action: str, x: float, v: float, stop: float, accuracy: float = 1e-7) -> lagc.Run:
+def run(action: str, x: float, v: float, stop: float, accuracy: float = 1e-7) -> Run:
     return lagc.loads(MODEL.format(x=x, v=v, action=action)).compile(backend="numpy").simulate(
         stop, accuracy=accuracy
     )  # fmt: skip

@@ -1,7 +1,5 @@
 """Dry friction in several joints of a mechanism stops all of them at once."""
 
-from __future__ import annotations
-
 from math import asin, atan2, cos, pi, sin, sqrt
 
 import pytest

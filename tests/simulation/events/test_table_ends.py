@@ -1,12 +1,11 @@
 """Tables beyond their ends, by steps so long that they tell little of where they come to a knot."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
 
 import lagc
+from lagc.api import Run
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 
@@ -21,7 +20,7 @@ LONG = {"method": "rk4", "step": 1.0, "stop": 20.0}
 ROUGH = {"method": "dopri5", "rtol": 0.33765058585536833, "atol": 0.0, "stop": 20.0}
 
 
-def runs(kind: str, c: float, y: float, rate: float, **options: object) -> list[lagc.Run]:
+def runs(kind: str, c: float, y: float, rate: float, **options: object) -> list[Run]:
     model = lagc.loads(MODEL.replace("<kind>", kind))
     return [
         model.compile(backend=backend).simulate(

@@ -1,7 +1,5 @@
 """Clauses `when`: at the moment that a condition becomes true, and as exactly as the motion itself."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Clauses that act at the crossing at which a force jumps: friction that brings a block to rest, a belt."""
 
-from __future__ import annotations
-
 from math import atan2, cos, pi, sin, sqrt
 
 import pytest

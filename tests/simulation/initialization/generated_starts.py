@@ -1,7 +1,5 @@
 """Consistent starts by the generated code: the C function and its twin in the generated Python module."""
 
-from __future__ import annotations
-
 import ctypes
 import random
 import subprocess

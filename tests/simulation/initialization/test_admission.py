@@ -1,7 +1,5 @@
 """What a start has to have besides meeting its conditions: bounds that hold, finite energies, inertia."""
 
-from __future__ import annotations
-
 import math
 import random
 from pathlib import Path
@@ -31,7 +29,7 @@ FORMS = {
 }
 
 
-def refused(model: lagc.api.CompiledModel, **values: float) -> bool:
+def refused(model: lagc.CompiledModel, **values: float) -> bool:
     try:
         model.bind(values)
     except lagc.Refused as found:

@@ -1,7 +1,5 @@
 """The search for a consistent start in C and in Python: the same bits, and the same motion as `lagc sim`."""
 
-from __future__ import annotations
-
 import random
 import shutil
 

@@ -1,7 +1,5 @@
 """Starts of linear equations of very different coefficients: exact arithmetic tells what is right."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Sequence
 from fractions import Fraction

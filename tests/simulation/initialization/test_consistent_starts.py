@@ -1,7 +1,5 @@
 """Consistent starts: held values are held, guesses move as little as the conditions demand."""
 
-from __future__ import annotations
-
 from math import sqrt
 
 import numpy as np

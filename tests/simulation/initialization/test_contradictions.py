@@ -1,7 +1,5 @@
 """Constraints that contradict each other are refused, by the smallest set of their names."""
 
-from __future__ import annotations
-
 import random
 import re
 

@@ -1,8 +1,6 @@
 """Starts of loops whose rows depend on each other where they are closed, and not elsewhere: what was stated
 stays wherever the loop can be closed with it."""
 
-from __future__ import annotations
-
 import math
 import random
 import shutil

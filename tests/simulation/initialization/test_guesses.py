@@ -1,7 +1,5 @@
 """Speeds without inertia move before those of bodies; guesses say where to search and state nothing."""
 
-from __future__ import annotations
-
 from math import atan2, cos, hypot, sin
 
 import pytest

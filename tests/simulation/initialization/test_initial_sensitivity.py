@@ -1,7 +1,5 @@
 """What consistent starts change by: differences of the starts that are found."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from random import Random
 from typing import Any

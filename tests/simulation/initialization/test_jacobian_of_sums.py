@@ -1,7 +1,5 @@
 """Derivatives of conditions on sums, put together from parts: against closed forms, and counted."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

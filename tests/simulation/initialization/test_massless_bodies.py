@@ -1,7 +1,5 @@
 """Bodies whose mass, a parameter, is zero: motion is determined where masses and rows are regular."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np

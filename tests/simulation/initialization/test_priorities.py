@@ -1,7 +1,5 @@
 """Starts of whole models: who wins, what is held, what is named, and the recipe of the header."""
 
-from __future__ import annotations
-
 import random
 import re
 import shutil

@@ -1,8 +1,6 @@
 """The tip of a planar chain is stated; its angles are not: a configuration is found wherever the tip can
 be."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Sequence
 from math import cos, hypot, pi, sin

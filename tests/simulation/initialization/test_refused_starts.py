@@ -1,7 +1,5 @@
 """What has no first step: `check` and `sim` refuse it with the same words, at the place that forces it."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import dataclass
 

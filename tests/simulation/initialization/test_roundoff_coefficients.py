@@ -1,7 +1,5 @@
 """Coefficients that are round-off, as cos(a) where a, a parameter or a coordinate, is a quarter turn."""
 
-from __future__ import annotations
-
 import shutil
 from math import cos, pi, radians, sin
 

@@ -1,7 +1,5 @@
 """What a start costs where stated values contradict the conditions, and how far the choice sees."""
 
-from __future__ import annotations
-
 import random
 import shutil
 from collections.abc import Sequence

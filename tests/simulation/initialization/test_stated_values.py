@@ -1,7 +1,5 @@
 """What was stated moves only where it has to: random conditions whose truth is known by construction."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable, Sequence
 from itertools import combinations

@@ -1,7 +1,5 @@
 """Mechanisms with steep functions: unstated values move as far as the stated ones ask for."""
 
-from __future__ import annotations
-
 import math
 import random
 

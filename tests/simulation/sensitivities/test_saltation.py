@@ -1,7 +1,5 @@
 """What changes move sensitivities by: closed forms, and differences of tight runs."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

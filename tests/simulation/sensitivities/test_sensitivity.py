@@ -1,7 +1,5 @@
 """Sensitivities of runs: closed forms, motions under switches in 40 digits, differences of tight runs."""
 
-from __future__ import annotations
-
 import json
 import pickle
 import subprocess
@@ -20,6 +18,7 @@ import pytest
 from mpmath import mp, mpf
 
 import lagc
+from lagc.api import Run
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
 from lagc.semantics.units import quotient
@@ -230,7 +229,7 @@ def test_of_the_library_by_differences(name: str, stop: float) -> None:
         assert (np.abs(found - expected).max(axis=1) <= 1e-6 * (sizes + 1e-3 * sizes.max())).all(), f.name
 
 
-def _table(run: lagc.Run, columns: Sequence[str]) -> Any:
+def _table(run: Run, columns: Sequence[str]) -> Any:
     assert run.status == "ok"
     return np.array([run[column] for column in columns])
 

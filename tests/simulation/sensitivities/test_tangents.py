@@ -1,7 +1,5 @@
 """The kernels of sensitivities: C and Python agree, and both with independent integrations."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -10,6 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares
 
 import lagc
+from lagc.api import Run
 from lagc.simulation.sensitivity.followers import InPython
 
 pytestmark = pytest.mark.usefixtures("own_cache")
@@ -43,7 +42,7 @@ MODELS = {
 }  # fmt: skip
 
 
-def run(name: str, backend: str, stop: float = 0.9, **given: Any) -> lagc.Run:
+def run(name: str, backend: str, stop: float = 0.9, **given: Any) -> Run:
     text, asked = MODELS[name]
     found = lagc.loads(text).compile(backend=backend).simulate(stop, points=7, sensitivity=asked, **given)
     assert found.status == "ok", found.message
@@ -115,7 +114,7 @@ def test_a_fit_of_two_parameters() -> None:
     measured = model.simulate(1.0, points=21, parameters=given)["theta"]
     runs = list[Any]()
 
-    def at(guess: Any) -> lagc.Run:
+    def at(guess: Any) -> Run:
         values = dict(zip(given, map(float, guess)))
         runs.append(model.simulate(1.0, points=21, parameters=values, sensitivity=list(given)))
         return runs[-1]

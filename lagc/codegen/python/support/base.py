@@ -101,6 +101,7 @@ class Trajectory:
         step: float = 0.0,
         fallbacks: int = 0,
         redundant_rows: tuple[int, ...] = (),
+        shared_contacts: tuple[int, ...] = (),
         position_drift: float = 0.0,
         velocity_drift: float = 0.0,
         sizes: Sequence[float] = (),
@@ -118,7 +119,7 @@ class Trajectory:
         self.steps, self.rejected, self.rhs, self.fallbacks = steps, rejected, rhs, fallbacks
         self.stiff = stiff
         self.step = step
-        self.redundant_rows = redundant_rows
+        self.redundant_rows, self.shared_contacts = redundant_rows, shared_contacts
         self.position_drift, self.velocity_drift = position_drift, velocity_drift
         self.sizes, self.events, self.jumps = sizes, events, jumps
         self.lowest, self.highest = lowest, highest

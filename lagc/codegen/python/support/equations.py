@@ -54,6 +54,11 @@ class Equations:
         """Constraint rows that depended on others in any evaluation so far."""
         return tuple([i for i, lost in enumerate(self.work.redundant) if lost]) if NC else ()
 
+    @property
+    def shared_contacts(self) -> tuple[int, ...]:
+        """Contacts whose forces were one choice of many in any evaluation so far."""
+        return tuple([i for i, shares in enumerate(getattr(self.work, "shared", ())) if shares])
+
     def rhs(self, t: float, x: list[float], xdot: list[float], lam: list[float]) -> int:
         """Compute xdot[NX] and lam[NC] at (t, x); return a status.  Earlier evaluations do not matter."""
         work = self.work

@@ -163,8 +163,8 @@ def _integrate(
             times=list(times[: done[0]]), states=states[: done[0]], t=run.t, x=run.x[:], status=status,
             culprit=-1 if status == OK else run.culprit, steps=run.steps, rejected=run.rejected, rhs=run.rhs,
             stiff=run.stiff, step=run.t - run.t_old, fallbacks=work.fallbacks - fallbacks,
-            redundant_rows=problem.redundant_rows, position_drift=run.position_drift,
-            velocity_drift=run.velocity_drift, sizes=run.sizes[:],
+            redundant_rows=problem.redundant_rows, shared_contacts=problem.shared_contacts,
+            position_drift=run.position_drift, velocity_drift=run.velocity_drift, sizes=run.sizes[:],
             lowest=run.lowest[:], highest=run.highest[:], events=log.events, jumps=log.jumps,
             corners=log.corners, changes=run.changes if NMODE else 0,
         )  # fmt: skip
