@@ -17,7 +17,7 @@ from lagc.codegen.c.header import members
 from lagc.codegen.kernel_compiler.c import copies
 from lagc.codegen.kernel_compiler.lanes import LANES, LanePrinter
 from lagc.codegen.kernel_compiler.library import Library, library
-from lagc.codegen.kernel_compiler.parts import FUNCTION, RECORD, Part
+from lagc.codegen.kernel_compiler.parts import FUNCTION, Part
 from lagc.codegen.kernel_compiler.real_types import DOUBLE
 from lagc.codegen.sizes import SPELLED, flags_of, sizes_of
 from lagc.lowering.program import Interface
@@ -296,10 +296,11 @@ def lanes(
         return None
     # The functions over vectors, for any width: types, functions of C lane by lane, kernels, rates.
     kernels = library(LANES)
-    turns = _kernels(kernels, "sine_cosine_near", flags) if functions & {*SINES} else []
-    steps = [kernels.part(f"{METHOD}_{part}", flags).text for part in ("stages", "error_sums")]
-    wide = [*turns, _TURN * bool(turns), *(_each(f, 1 + (f in TWO)) for f in sorted(functions & {*ONE, *TWO})),
-            _wide(rates), _RATES, *steps]  # fmt: skip
+    wide = [_each(f, 1 + (f in TWO)) for f in sorted(functions & {*ONE, *TWO})]
+    if functions & {*SINES}:
+        wide += [part.text for part in kernels.chosen(["sine_cosine_near"], flags).functions] + [_TURN]
+    wide += [_wide(rates), _RATES]
+    wide += [kernels.part(f"{METHOD}_{part}", flags).text for part in ("stages", "error_sums")]
     wide = [*_records(kernels, interface, flags, wide), *copies("".join(wide)), *wide, _ATTEMPT]
     guards = "hides_event" in called["find_step"]
     text = _VECTORS + "\n".join(wide).replace("lagc_real", "Wide").replace("lagc_", "wide_").replace(
@@ -340,11 +341,6 @@ def _called(part: Part) -> set[str]:
     """Return the kernels and functions of the model that a kernel calls."""
     needed = [library(DOUBLE.language).rows[name][0] for name in part.needs]
     return {row[0] for row in needed if row[1] == FUNCTION} | {n for n in part.names if n.startswith("fn_")}
-
-
-def _kernels(kernels: Library, name: str, flags: Mapping[str, bool]) -> list[str]:
-    """Return a kernel with those that it calls, over vectors."""
-    return [part.text for part in kernels.chosen([name], flags).functions]
 
 
 def _records(

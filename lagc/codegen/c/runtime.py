@@ -260,7 +260,7 @@ def _printed(kernels: Library, constants: Iterable[Part], functions: Iterable[Pa
 
 
 def _literature(text: str) -> str:
-    """Return the paragraphs that name a source, with its year; explanations are for readers of the kernels."""
+    """Return the paragraphs that name a source, with its year; explanations are in the kernels."""
     return "\n".join(part for part in text.split("\n\n") if re.search(r"\b1[6-9]\d\d\b|\b20\d\d\b", part))
 
 

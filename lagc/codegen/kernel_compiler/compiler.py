@@ -26,9 +26,9 @@ from lagc.codegen.kernel_compiler.kernel_syntax import (
     folder,
     read,
 )
+from lagc.codegen.kernel_compiler.lanes import LANES, LanePrinter
 from lagc.codegen.kernel_compiler.parts import FUNCTION, LIST, RECORD, TITLE, Part
 from lagc.codegen.kernel_compiler.pruning import Pruning, Short, short
-from lagc.codegen.kernel_compiler.lanes import LANES, LanePrinter
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, TYPES
 from lagc.codegen.kernel_compiler.specialization import Statics, tested
 from lagc.codegen.kernel_compiler.type_check import INT, REAL, STATUS, Known, Signature, Type, Types, parsed
@@ -319,7 +319,7 @@ class Compiler:
         flags.asked.update(own.asked)
         return found
 
-    def function(self, name: str, part: Function, definition: Definition, flags: Mapping[str, bool]) -> Part:
+    def function(self, name: str, part: Function, definition: Definition, flags: Noted) -> Part:
         known = self.known
         seen = Known(known.signatures, lambda r: Members(known.records[r], flags), known.is_record,
                      known.constants, known.tables, known.sizes)  # fmt: skip

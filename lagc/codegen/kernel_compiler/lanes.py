@@ -1,7 +1,7 @@
 """Print kernels as C over vectors of the compiler, in which each lane belongs to another run.
 
-Truth values are masks: both sides of a choice are computed, and `and` and `or` have no short circuits. A kernel
-without tests of reals is printed, and one whose tests all stand in choices.
+Truth values are masks: both sides of a choice are computed, and `and` and `or` have no short circuits. Kernels
+that test reals in statements have no such form.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from collections.abc import Mapping, Sequence
 
 from lagc.base.records import replace
 from lagc.codegen.kernel_compiler.c import ATOM, BITS, PRODUCT, CPrinter
-from lagc.codegen.kernel_compiler.kernel_syntax import root
 from lagc.codegen.kernel_compiler.real_types import DOUBLE
 from lagc.codegen.kernel_compiler.type_check import BOOL, COUNT, REAL, STATUS, Type
 

@@ -49,7 +49,7 @@ class _Filled(ast.NodeTransformer):
         self.arguments = arguments
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
-        return clone(self.arguments[node.id]) if node.id in self.arguments else node  # type: ignore[no-any-return]
+        return clone(self.arguments[node.id]) if node.id in self.arguments else node
 
 
 class Pruning:
@@ -104,7 +104,7 @@ class Pruning:
         return [node]
 
     def finished(self, body: list[ast.stmt], before: list[ast.stmt]) -> list[ast.stmt]:
-        """Return the statements without those that feed no other one, but did so in the statements `before`."""
+        """Return the statements without those that feed no other one now; they did in `before`."""
         kept, size = targets(before) - loaded(before), 0
         while size != (size := sum(1 for statement in body for _ in ast.walk(statement))):
             body = self._read_ones(body, loaded(body) | kept)
