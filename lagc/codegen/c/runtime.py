@@ -28,6 +28,7 @@ EMBEDDED = ("check",)  # of these the kernels that a run of lagc does itself
 ASKED = ("verified",)  # of these the kernels that other code has with `verified`
 CALLED = ("system_at", "assemble_at", "solve_at", "assemble_slopes")  # by public functions, as the rates
 ALWAYS = ("default_params", "bind")  # functions of code that evaluates only
+SHARE = 20  # least length of code over that of its explanation
 READ = ("Options", "State", "Work")  # structs whose members callers read
 PRIVATE = "Private from here on"
 PLAIN = {"Real": "real", "Vec": "real", "Count": "long", "int": "int", "bool": "int", "IVec": "int"}
@@ -254,14 +255,11 @@ def _printed(kernels: Library, constants: Iterable[Part], functions: Iterable[Pa
     found = list[str]()
     for place in sorted({tuple(part.place[:2]) for part in parts}):
         title, own = kernels.title(place), [part for part in parts if tuple(part.place[:2]) == place]
-        found += [_section(title.text, _literature(title.note)), *_constants(own)]
+        # An explanation stands before much code; else it tells of more than this model has.
+        is_apt = SHARE * len(title.note) < sum(len(part.text) for part in own)
+        found += [_section(title.text, title.note * is_apt), *_constants(own)]
         found += [part.text for part in own if part.kind == FUNCTION]
     return found
-
-
-def _literature(text: str) -> str:
-    """Return the paragraphs that name a source, with its year; explanations are in the kernels."""
-    return "\n".join(part for part in text.split("\n\n") if re.search(r"\b1[6-9]\d\d\b|\b20\d\d\b", part))
 
 
 def _annotated(line: str, note: str) -> list[str]:

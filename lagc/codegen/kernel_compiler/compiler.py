@@ -315,6 +315,9 @@ class Compiler:
         statics = Statics(part.file, own, known.sizes, definition.known, pruning, definition.prefix,
                           definition.own)  # fmt: skip
         found = pruning.finished(statics.block(part.body), part.body)
+        if known_values := pruning.values(found):  # once more, with what is known now
+            statics.known = {**statics.known, **known_values}
+            found = pruning.finished(statics.block(found), part.body)
         kept.append((own.asked, found))
         flags.asked.update(own.asked)
         return found

@@ -103,6 +103,18 @@ class Pruning:
             node.test, node.body, node.orelse = test, node.orelse, []
         return [node]
 
+    def values(self, body: list[ast.stmt]) -> dict[str, bool]:
+        """Return the truth values of names that statements assign once, as constants."""
+        nodes = [n for statement in body for n in ast.walk(statement)]
+        stored = [n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)]
+        found = dict[str, bool]()
+        for node in nodes:
+            match node:
+                case ast.Assign(targets=[ast.Name(id=name)], value=ast.Constant(value=bool() as value)):
+                    if stored.count(name) == 1:
+                        found[name] = value
+        return found
+
     def finished(self, body: list[ast.stmt], before: list[ast.stmt]) -> list[ast.stmt]:
         """Return the statements without those that feed no other one now; they did in `before`."""
         kept, size = targets(before) - loaded(before), 0

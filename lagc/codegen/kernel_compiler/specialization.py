@@ -12,7 +12,7 @@ from copy import copy
 from fractions import Fraction
 from typing import Any
 
-from lagc.codegen.kernel_compiler.kernel_syntax import Outside, clone, exact, identifier
+from lagc.codegen.kernel_compiler.kernel_syntax import Outside, clone, exact, identifier, loaded
 from lagc.codegen.kernel_compiler.pruning import Pruning
 
 FLAGS = ("STRAIGHT", "HAS_DISPLACE", "COMPLETE")
@@ -186,7 +186,7 @@ class Statics:
             kernel = ast.Name(f"{owner.NAME}_{node.attr}", ast.Load())
             return ast.copy_location(kernel, node)
         # Arithmetic of known names is done here and now.
-        elif any(isinstance(n, ast.Name) and n.id in self.known for n in ast.walk(node)):
+        elif self.known.keys() & loaded([node]):
             try:
                 value = self.static(node)
             except NotStatic:
