@@ -1,7 +1,7 @@
 """Print kernels as C over vectors of the compiler, in which each lane belongs to another run.
 
-Truth values are masks: both sides of a choice are computed, and `and` and `or` have no short circuits. Kernels
-that test reals in statements have no such form.
+Truth values are masks: both sides of a choice are computed, and `and` and `or` have no short circuits.
+Kernels that test reals in statements have no such form.
 """
 
 from __future__ import annotations
