@@ -28,7 +28,7 @@ from lagc.codegen.kernel_compiler.kernel_syntax import (
 )
 from lagc.codegen.kernel_compiler.lanes import LANES, LanePrinter
 from lagc.codegen.kernel_compiler.parts import FUNCTION, LIST, RECORD, TITLE, Part
-from lagc.codegen.kernel_compiler.pruning import Pruning, Short, short
+from lagc.codegen.kernel_compiler.pruning import Pruning, Short, known_values, short
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, TYPES
 from lagc.codegen.kernel_compiler.specialization import Statics, tested
 from lagc.codegen.kernel_compiler.type_check import INT, REAL, STATUS, Known, Signature, Type, Types, parsed
@@ -113,6 +113,7 @@ class Definitions:
     constants: dict[str, Type] = field(default_factory=dict)
     lists: dict[str, tuple[str, ...]] = field(default_factory=dict)  # file and kind -> names of constants
     titles: dict[tuple[int, int], tuple[str, str]] = field(default_factory=dict)
+    bodies: dict[str, list[tuple[Mapping[str, bool], list[ast.stmt]]]] = field(default_factory=dict)
 
     def add(self, module: Module, file: int, known: Mapping[str, Any], method: Method | None = None) -> None:
         """Add the definitions of a file, which stand behind those before."""
@@ -250,7 +251,6 @@ class Compiler:
         self.printer = CPrinter(self.real, SPELLED, texts) if self.real else None
         if language == LANES:
             self.real, self.printer = DOUBLE, LanePrinter(SPELLED, texts)
-        self.bodies = dict[str, list[tuple[Mapping[str, bool], list[ast.stmt]]]]()
 
     def part(self, name: str, given: Mapping[str, bool]) -> Part:
         """Return a definition for these flags, and the flags that it depends on. Raises KeyError for an
@@ -297,7 +297,7 @@ class Compiler:
         """Return the statements of a kernel that are left for these flags."""
         part, known = definition.part, self.known
         assert isinstance(part, Function)
-        kept = self.bodies.setdefault(definition.prefix + part.name, [])
+        kept = known.bodies.setdefault(definition.prefix + part.name, [])
         for asked, found in kept:
             if all(flags.flags[flag] == value for flag, value in asked.items()):
                 flags.asked.update(asked)
@@ -315,8 +315,8 @@ class Compiler:
         statics = Statics(part.file, own, known.sizes, definition.known, pruning, definition.prefix,
                           definition.own)  # fmt: skip
         found = pruning.finished(statics.block(part.body), part.body)
-        if known_values := pruning.values(found):  # once more, with what is known now
-            statics.known = {**statics.known, **known_values}
+        if values := known_values(found):  # once more, with what is known now
+            statics.known = {**statics.known, **values}
             found = pruning.finished(statics.block(found), part.body)
         kept.append((own.asked, found))
         flags.asked.update(own.asked)

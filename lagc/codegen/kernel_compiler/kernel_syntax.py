@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import os
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -235,12 +234,12 @@ def targets(body: list[ast.stmt]) -> set[str]:
     return _names(body, ast.Store)
 
 
-def loaded(body: Sequence[ast.AST]) -> set[str]:
+def loaded(body: list[ast.stmt]) -> set[str]:
     """Return the names that statements read."""
     return _names(body, ast.Load)
 
 
-def _names(body: Sequence[ast.AST], how: type[ast.expr_context]) -> set[str]:
+def _names(body: list[ast.stmt], how: type[ast.expr_context]) -> set[str]:
     return {n.id for s in body for n in ast.walk(s) if isinstance(n, ast.Name) and isinstance(n.ctx, how)}
 
 

@@ -10,7 +10,7 @@ import ast
 from collections.abc import Callable, Collection
 from typing import NamedTuple
 
-from lagc.codegen.kernel_compiler.kernel_syntax import clone, identifier, loaded, root, targets
+from lagc.codegen.kernel_compiler.kernel_syntax import clone, identifier, loaded, root
 
 _NUMBERS = ast.Constant | ast.UnaryOp | ast.BinOp | ast.operator | ast.unaryop
 _PLACES = ast.Attribute | ast.Name | ast.expr_context
@@ -103,37 +103,46 @@ class Pruning:
             node.test, node.body, node.orelse = test, node.orelse, []
         return [node]
 
-    def values(self, body: list[ast.stmt]) -> dict[str, bool]:
-        """Return the truth values of names that statements assign once, as constants."""
-        nodes = [n for statement in body for n in ast.walk(statement)]
-        stored = [n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)]
-        found = dict[str, bool]()
-        for node in nodes:
-            match node:
-                case ast.Assign(targets=[ast.Name(id=name)], value=ast.Constant(value=bool() as value)):
-                    if stored.count(name) == 1:
-                        found[name] = value
-        return found
-
     def finished(self, body: list[ast.stmt], before: list[ast.stmt]) -> list[ast.stmt]:
-        """Return the statements without those that feed no other one now; they did in `before`."""
-        kept, size = targets(before) - loaded(before), 0
-        while size != (size := sum(1 for statement in body for _ in ast.walk(statement))):
-            body = self._read_ones(body, loaded(body) | kept)
+        """Return the statements without assignments to names that are read in `before`, but not here."""
+        kept = loaded(before)
+        while spare := _assigned(body).keys() & kept - loaded(body):
+            body = self._without(body, spare)
         return body
 
-    def _read_ones(self, block: list[ast.stmt], read: set[str]) -> list[ast.stmt]:
+    def _without(self, block: list[ast.stmt], spare: set[str]) -> list[ast.stmt]:
         out = list[ast.stmt]()
         for node in block:
             match node:
                 case ast.Assign(targets=[ast.Name(id=name)]) | ast.AugAssign(target=ast.Name(id=name)):
-                    out += [node] if name in read else self.effect(node.value)
+                    out += self.effect(node.value) if name in spare else [node]
                 case ast.If():
-                    node.body, node.orelse = (self._read_ones(b, read) for b in (node.body, node.orelse))
+                    node.body, node.orelse = (self._without(b, spare) for b in (node.body, node.orelse))
                     out += self.choice(node)
                 case ast.For() | ast.While():
-                    node.body = self._read_ones(node.body, read)
+                    node.body = self._without(node.body, spare)
                     out += [node] if node.body or isinstance(node, ast.While) else []
                 case _:
                     out.append(node)
         return out
+
+
+def known_values(body: list[ast.stmt]) -> dict[str, bool]:
+    """Return the truth values of names that are assigned once, as constants."""
+    found = {}
+    for name, values in _assigned(body).items():
+        match values:
+            case [ast.Constant(value=bool() as value)]:
+                found[name] = value
+    return found
+
+
+def _assigned(body: list[ast.stmt]) -> dict[str, list[ast.expr]]:
+    """Return the names that statements assign, with their values."""
+    found = dict[str, list[ast.expr]]()
+    for statement in body:
+        for node in ast.walk(statement):
+            match node:
+                case ast.Assign(targets=[ast.Name(id=name)]) | ast.AugAssign(target=ast.Name(id=name)):
+                    found.setdefault(name, []).append(node.value)
+    return found

@@ -12,7 +12,7 @@ from copy import copy
 from fractions import Fraction
 from typing import Any
 
-from lagc.codegen.kernel_compiler.kernel_syntax import Outside, clone, exact, identifier, loaded
+from lagc.codegen.kernel_compiler.kernel_syntax import Outside, clone, exact, identifier
 from lagc.codegen.kernel_compiler.pruning import Pruning
 
 FLAGS = ("STRAIGHT", "HAS_DISPLACE", "COMPLETE")
@@ -88,8 +88,9 @@ class Statics:
                 setattr(found, name, self.expression(value))
             elif isinstance(value, list) and value and isinstance(value[0], ast.expr):
                 setattr(found, name, [self.expression(v) for v in value])
-        # A call that became a number, or nothing.
-        return [] if isinstance(found, ast.Expr) and not isinstance(found.value, ast.Call) else [found]
+        # A call that became a number or nothing, and a loop without a body.
+        is_idle = isinstance(found, ast.Expr) and not isinstance(found.value, ast.Call)
+        return [] if is_idle or (isinstance(found, ast.For) and not found.body) else [found]
 
     def branch(self, node: ast.If) -> list[ast.stmt]:
         # A known test leaves one of its blocks; else both are specialized, and a block that became empty
@@ -186,7 +187,8 @@ class Statics:
             kernel = ast.Name(f"{owner.NAME}_{node.attr}", ast.Load())
             return ast.copy_location(kernel, node)
         # Arithmetic of known names is done here and now.
-        elif self.known.keys() & loaded([node]):
+        elif any(isinstance(n, ast.Name) and n.id in self.known and isinstance(n.ctx, ast.Load)
+                 for n in ast.walk(node)):  # fmt: skip
             try:
                 value = self.static(node)
             except NotStatic:
