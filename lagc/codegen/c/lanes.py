@@ -17,7 +17,7 @@ from lagc.codegen.c.header import members
 from lagc.codegen.kernel_compiler.c import copies
 from lagc.codegen.kernel_compiler.lanes import LANES, LanePrinter
 from lagc.codegen.kernel_compiler.library import Library, library
-from lagc.codegen.kernel_compiler.parts import FUNCTION, Part
+from lagc.codegen.kernel_compiler.parts import Part
 from lagc.codegen.kernel_compiler.real_types import DOUBLE
 from lagc.codegen.sizes import SPELLED, flags_of, sizes_of
 from lagc.lowering.program import Interface
@@ -303,9 +303,8 @@ def lanes(
     wide += [kernels.part(f"{METHOD}_{part}", flags).text for part in ("stages", "error_sums")]
     wide = [*_records(kernels, interface, flags, wide), *copies("".join(wide)), *wide, _ATTEMPT]
     guards = "hides_event" in called["find_step"]
-    text = _VECTORS + "\n".join(wide).replace("lagc_real", "Wide").replace("lagc_", "wide_").replace(
-        "LAGC_", ""
-    )
+    text = _VECTORS + "\n".join(wide).replace("lagc_real", "Wide").replace("lagc_", "wide_")
+    text = text.replace("LAGC_", "")
     # Constants of the method: the row of the rate at the end of a step, and evaluations before it.
     tableau = import_module(f"lagc.kernels.integrators.tableaus.{METHOD}")
     words = {"GUARDED": "1 || " * guards, "END_RATE": tableau.END_RATE, "EVALUATIONS": len(tableau.C) - 1,
@@ -339,8 +338,8 @@ def _has(needed: str) -> str:
 
 def _called(part: Part) -> set[str]:
     """Return the kernels and functions of the model that a kernel calls."""
-    needed = [library(DOUBLE.language).rows[name][0] for name in part.needs]
-    return {row[0] for row in needed if row[1] == FUNCTION} | {n for n in part.names if n.startswith("fn_")}
+    functions = [name for name in part.needs if name.islower()]  # others are constants and records
+    return {*functions, *(name for name in part.names if name.startswith("fn_"))}
 
 
 def _records(
@@ -354,9 +353,7 @@ def _records(
     found = [f"typedef struct {{ Wide {', '.join(fields)}; }} WideParams;\n"]
     for part in kernels.chosen(["State", "Work"], flags).records:
         own = [printer.declared(tuple(kind), name) for name, kind, *_ in part.members if name in used]
-        own += (
-            ["Mask bad"] if part.name == "Work" else []
-        )  # lanes whose rates are not those of the scalar function
+        own += ["Mask bad"] if part.name == "Work" else []  # lanes without the rates of the scalar function
         found += [f"typedef struct {{ {'; '.join(own)}; }} Wide{part.name};\n"] if own else []
     return found
 
