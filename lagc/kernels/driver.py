@@ -475,6 +475,17 @@ def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w
             return OK
 
 
+def prepare_contacts(p: Params, s: State, o: Options, w: Work) -> None:
+    """Prepare the workspace of contacts for the attempts of a step."""
+    implicit = False
+    if NNEWTON > 0:
+        implicit = is_implicit(o.method)
+        if implicit:
+            find_departures(p, s, DEPARTURE * o.rtol * loosening(o), w)
+    keep_blocks(True, w)
+    begin_flight(s.x, implicit, w)
+
+
 def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
     """Make one step towards t1, at most to it, and then exactly."""
     # The dense output of the last step reads stages that this step overwrites.
@@ -515,11 +526,7 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
         if failed(status):
             return report_culprit(s, status, w)
     if NCON > 0:
-        if NNEWTON > 0:
-            if is_implicit(o.method):
-                find_departures(p, s, DEPARTURE * o.rtol * loosening(o), w)
-        keep_blocks(True, w)
-        begin_flight(s.x, w)
+        prepare_contacts(p, s, o, w)
     status = find_step(p, s, t1, goal, o, a, w)
     if NCON > 0:
         keep_blocks(False, w)

@@ -5,14 +5,14 @@ from lagc.kernels.contact.touching import find_touching, forget_forces, sample_f
 from lagc.kernels.language.vocabulary import *
 
 
-def begin_flight(x: Vec[NX], w: Work) -> None:
+def begin_flight(x: Vec[NX], implicit: bool, w: Work) -> None:
     """If no contact touches at the beginning of a step, but those of blocks at rest, let its evaluations look
-    for no others: neither the modes in x nor the states of these blocks change within it."""
+    for no others: neither the modes in x nor the states of these blocks change within it. Iterations of an
+    implicit step do change these states."""
     w.contacts.touches = find_touching(x, w)
     w.contacts.constant_count = 0
-    if NLOADED > 0:
-        if w.contacts.touches:
-            return
+    if w.contacts.touches and (implicit or size(NLOADED) > 0):
+        return
     for r in range(NCROW):
         w.contacts.forces[r] = 0.0
         w.contacts.pushes[r] = 0.0
