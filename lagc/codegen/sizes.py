@@ -80,7 +80,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
     loaded, pushed = len(interface.loading_rows), len(interface.pushed_contacts)
     normals = sum(c.normals for c in interface.contacts)
     rows = sum(1 + c.slips for c in interface.contacts)
-    known = nv + interface.nc + rows
+    known, multipliers = nv + interface.nc + rows, 0 if interface.contacts else interface.nc
     # Names and meanings are those of `kernels/language/sizes`.
     own = {
         "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NINT": nq + nv + interface.nz,
@@ -115,11 +115,11 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NQUANTITY": nq + nv + len(interface.outputs) + len(interface.discretes),
         "NLIMITS": len(interface.limits), "NPREPARED": interface.prepared, "NREAD": len(interface.read),
         "NSUM": sums, "NPARTS": len(interface.part_columns),
-        "NNEWTON": nq + nv + interface.nc if interface.stiff else 0,
+        "NNEWTON": nq + nv + multipliers if interface.stiff else 0, "NLAM": multipliers,
         "NDIRECTION": nq + 2 * nv + interface.nc if "newton_column" in interface.functions else 0,
         "NSERIES": interface.nx + 3 if interface.expands else 0,
         "NVALUE": values, "NLANE": lanes, "NSQUARE": squares, "NCONVOLVED": lanes + squares,
-        "NLINEAR": (nq if "displace" in interface.functions else 0) + nv + interface.nc,
+        "NLINEAR": (nq if "displace" in interface.functions else 0) + nv + multipliers,
     }  # fmt: skip
     found = _derived({**own, **start, **own})  # initialization has no work integrals
     if "system" not in interface.functions:

@@ -57,6 +57,7 @@ FILES = (
     "events/mode_change",
     "events/when_clauses",
     "events/contact_events",
+    "events/departures",
     "events/step_guards",
     "call_boundary",
     "events/other_integrators",

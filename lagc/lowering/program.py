@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from lagc.base.records import dataclass, field, replace
+from lagc.kernels import IMPLICIT
 
 FARTHEST = 1.7e308  # in tables: an end that no number reaches
 
@@ -300,8 +301,9 @@ class Interface:
 
     @property
     def stiff(self) -> bool:
-        """Whether the functions of implicit methods exist."""
-        return "residual" in self.functions
+        """Whether implicit methods can be carried: their functions exist, or contacts, which need none."""
+        asked = bool(self.contacts) and not set(IMPLICIT).isdisjoint(self.methods)
+        return asked or "residual" in self.functions
 
     @property
     def expands(self) -> bool:

@@ -65,6 +65,17 @@ def contacts_chatter(s: State) -> bool:
     return s.changes_at_time > MOST_CHANGES + 2 * NMODE
 
 
+def unresolved(i: int, margin: Real, s: State, w: Work) -> Real:
+    """Return more slack for a force that is not yet zero where an implicit step was to end at its zero, and
+    whose zero is nearer than round-off of the time: twice as much each time."""
+    if not (w.settling.hit[i] > 0 and margin > 0.0 and s.changes_at_time > 1):
+        return 0.0
+    slack = margin
+    for turn in range(s.changes_at_time):
+        slack *= 2.0
+    return slack
+
+
 def set_force_slack(s: State, w: Work) -> None:
     """Set the slack of contacts that touch: of their forces, and of friction that they could still bear."""
     # Normal force: its round-off. A force that is slightly beyond gets twice that as slack. The margin of
@@ -73,11 +84,15 @@ def set_force_slack(s: State, w: Work) -> None:
         if w.contacts.touched[i] > 0:
             margin = w.contacts.force_margins[i]
             s.slack[NMODE - NCON + i] = w.contacts.force_roundoff[i] - (2.0 * margin if margin < 0.0 else 0.0)
+            if NNEWTON > 0:
+                s.slack[NMODE - NCON + i] += unresolved(i, margin, s, w)
             if NSLIP > 0:
                 if w.contacts.modes[i] == 2:
                     margin = w.contacts.cone_margins[i]
                     least = w.contacts.cone_roundoff[i]
                     s.slack[slip_relation(i)] = least - (2.0 * margin if margin < 0.0 else 0.0)
+                    if NNEWTON > 0:
+                        s.slack[slip_relation(i)] += unresolved(i, margin, s, w)
 
 
 def set_contact_slack(p: Params, s: State, w: Work) -> None:

@@ -209,13 +209,12 @@ class LoadWork:
         sizes: Vec[NLOADMATRIX]  # of the terms of its entries
         step: Vec[NLOADED]
         reach: Vec[NLOADED]  # of the terms of each multiplier
+        matrix_kept: Vec[NLOADMATRIX]  # those of one state for many responses
+        sizes_kept: Vec[NLOADMATRIX]
     if NCON > 0:
         begin: Vec[NR]  # accelerations and multipliers without loads and contacts
         rest: Vec[NV]  # forces at reactions of zero, by their slopes
         pushes: Vec[NCROW]
-        if NLOADED > 0:
-            matrix_kept: Vec[NLOADMATRIX]
-            sizes_kept: Vec[NLOADMATRIX]
 
 
 @struct
@@ -343,6 +342,8 @@ class SettlingWork:
     acts: IVec[NBLOCK]  # 1: something happens in this block
     near: IVec[NCON]
     leaves: IVec[NCON]
+    if NNEWTON > 0:
+        departs: IVec[NCON]  # relation that leaves zero with a rate of zero; -1: none does
     closed: IVec[NCON]  # modes that the law has found
     rests: IVec[NCON]
     struck: Vec[NCON]  # impulse

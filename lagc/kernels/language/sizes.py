@@ -101,7 +101,8 @@ class FOUR(metaclass=SizeType): ...
 class SEVEN(metaclass=SizeType): ...
 class NK(metaclass=SizeType): ...  # stages that are kept in a step, of the method with the most
 class ND(metaclass=SizeType): ...  # coefficient vectors of the dense output
-class NNEWTON(metaclass=SizeType): ...  # unknowns of a stage, NQ + NV + NC; 0: no implicit method is carried
+class NNEWTON(metaclass=SizeType): ...  # unknowns of a stage, NQ + NV + NLAM; 0: no implicit method
+class NLAM(metaclass=SizeType): ...  # multipliers among them: NC, or 0 in a model with contacts
 class NSLOPES(metaclass=SizeType): ...  # NNEWTON NNEWTON
 class NDIRECTION(metaclass=SizeType): ...  # NNEWTON + NV where derivatives are columns; else 0
 class NLINEAR(metaclass=SizeType): ...  # unknowns of its linear systems: without q where qdot = v
