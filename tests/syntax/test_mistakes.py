@@ -58,6 +58,7 @@ MISTAKES = [
     ("parameter Boolean m = !b;", "!", "LAG0117", "write `not`"),
     ("parameter Mass m := 3;", ":=", "LAG0117", "write `=`"),
     ("when a > b then x := 3; end when;", ":=", "LAG0117", "reinit"),
+    ("when a > b then x := 3*y; reinit(y, 2); end when;", ":=", "LAG0117", "write `reinit(x, 3*y);`"),
     ("when a > b terminate(1); end when;", "terminate", "LAG0128", "`when condition then"),
     ("when a > b then x = 1; elsewhen a < b then y = 1; end when;", "elsewhen", "LAG0118",
      "`end when; when a < b then`"),
