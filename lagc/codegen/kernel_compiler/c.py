@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from textwrap import fill
 
 from lagc.codegen.kernel_compiler.kernel_syntax import identifier, root
 from lagc.codegen.kernel_compiler.real_types import Arithmetic
 from lagc.codegen.kernel_compiler.type_check import (
+    BOOL,
+    INT,
     MADE,
     PAIR,
     REAL,
     SCALARS,
-    STATUS,
     VOID,
     WHOLE,
     Type,
@@ -42,11 +44,11 @@ class CPrinter:
     def ctype(self, kind: Type) -> str:
         name = {
             "Real": self.real.name, "Vec": self.real.name, "Mat": self.real.name, "Rows": self.real.name,
-            "int": "int", "IVec": "int", "bool": "int", "Count": "long", "Length": "size_t", "None": "void",
+            "int": "int", "IVec": "int", "bool": "bool", "Count": "long", "Length": "size_t", "None": "void",
             "Status": "lagc_status", "Params": "lagc_params", "Pair": "void",
         }.get(kind[0])  # fmt: skip
         if kind[0] == "Cell":
-            return self.ctype((kind[1],))
+            return self.ctype(INT if kind[1] == "bool" else (kind[1],))
         return (f"lagc_{snake(kind[1])}" if name is None else name) + " "
 
     def size(self, name: str) -> str:
@@ -58,8 +60,12 @@ class CPrinter:
             return text, PRODUCT if "*" in text else SUM if " " in text else ATOM
         return f"LAGC_{name}", ATOM
 
+    def member(self, kind: Type, name: str) -> str:
+        """Return the declaration of a member; truth values are ints for callers in other languages."""
+        return self.declared(INT if kind == BOOL else kind, name)
+
     def declared(self, kind: Type, name: str) -> str:
-        """Return the declaration of a variable or member."""
+        """Return the declaration of a variable."""
         lengths = kind[1:] if kind[0] in ("Vec", "IVec", "Mat") else ()
         return self.ctype(kind) + name + "".join(f"[{self.size(n)}]" for n in lengths)
 
@@ -74,20 +80,25 @@ class CPrinter:
         parts = [self.argument(k, n, w) for (n, k), w in zip(types.parameters.items(), types.writes)]
         if types.returns == PAIR:
             parts.append(f"{self.real.name} *pair_")
-        static = "" if types.function.public else "static "
-        return wrapped(f"{static}{self.ctype(types.returns)}lagc_{types.name}(", parts or ["void"])
+        static = "" if types.function.public else "static inline " if types.function.inline else "static "
+        return f"{static}{self.ctype(types.returns)}lagc_{types.name}({', '.join(parts) or 'void'})"
 
     # -- functions --
 
     def function(self, types: Types) -> str:
         self.now, self.places = types, places(types.body)
         lines = [f"    {self.local(name)};" for name in types.locals if self.places[name] is None]
-        unused = [n for n in types.parameters if n not in types.read]
-        lines += [f"    (void){n};" for n in unused]
+        lines += [f"    {ignored(n for n in types.parameters if n not in types.read)}"]
         self.block(types.body, "    ", lines)
+        if lines[-1:] == ["    return;"]:
+            lines.pop()
         lead = "" if types.function.public else "".join(f"/* {line} */\n" for line in types.function.lead)
-        doc = "" if types.function.public else block_comment(self.spelled(types.function.doc))
-        body = "\n".join(folded(line) for line in lines)
+        doc = (
+            ""
+            if types.function.public
+            else block_comment(fill(first_sentence(self.spelled(types.function.doc)), 98))
+        )
+        body = "\n".join(folded(line) for line in lines if line.strip())
         return f"{lead}{doc}{self.head(types)}\n{{\n{body}\n}}\n"
 
     def spelled(self, text: str) -> str:
@@ -120,7 +131,8 @@ class CPrinter:
             case ast.Assign(targets=[ast.Subscript(slice=ast.Slice()) as target], value=value):
                 self.copy(target, value, indent, out)
             case ast.Assign(targets=[target], value=value):
-                out.append(f"{indent}{self.text(target)} = {self.converted(value, target.type)};")  # type: ignore[attr-defined]
+                kind: Type = target.type  # type: ignore[attr-defined]
+                out.append(f"{indent}{self.text(target)} = {self.converted(value, kind)};")
             case ast.AugAssign(target=target, op=op, value=value):
                 sign, kind = _OPERATORS[type(op)][0], target.type  # type: ignore[union-attr]
                 if isinstance(value, ast.Constant) and value.value == 1 and sign in "+-" and kind in WHOLE:
@@ -157,9 +169,7 @@ class CPrinter:
         kind: Type = node.kind  # type: ignore[attr-defined]
         first, end = ("0", args[0]) if len(args) == 1 else (self.text(args[0]), args[1])
         limit = self.operand(end, None, SHIFT)
-        if any(
-            isinstance(n, ast.Attribute | ast.Call) for n in ast.walk(end)
-        ):  # evaluated once, as in Python
+        if not self.stays(end, node.body):
             first, limit = f"{first}, {i}_end = {self.text(end)}", f"{i}_end"
         test = f"{i} < {limit}"
         if len(args) == 3:
@@ -168,6 +178,18 @@ class CPrinter:
             f"{indent}for ({self.ctype(kind)}{i} = {first}; {test}; {i}{'--' if len(args) == 3 else '++'})"
         )
         self.braced(node.body, indent, out)
+
+    def stays(self, end: ast.expr, body: Sequence[ast.stmt]) -> bool:
+        """Return whether a loop changes nothing that the end of its range reads: a member of its name, or
+        any by a call."""
+        inside, nodes = list(ast.walk(end)), [n for statement in body for n in ast.walk(statement)]
+        read = {n.attr for n in inside if isinstance(n, ast.Attribute)}
+        stored = {n.attr for n in nodes if isinstance(n, ast.Attribute) and isinstance(n.ctx, ast.Store)}
+        calls = [identifier(n.func) for n in nodes if isinstance(n, ast.Call)]
+        known = self.now.known.signatures
+        acts = any(name in known and any(known[name].writes) for name in calls)
+        plain = not any(isinstance(n, ast.Call | ast.Subscript) for n in inside)
+        return plain and not (read & stored) and not (read and acts)
 
     def braced(self, body: Sequence[ast.stmt], indent: str, out: list[str]) -> None:
         """Print the block after the head that is the last line."""
@@ -184,42 +206,41 @@ class CPrinter:
             out += [f"{indent}{self.local(name)};"] if declare else []
         elif kind[0] == "Record" and isinstance(value, ast.Call):
             out += [f"{indent}{self.local(name)};"] if declare else []
-            for member, inner in self.now.known.members(kind[1]).items():
-                zero = "0.0" if inner == REAL else "LAGC_OK" if inner == STATUS else "0"
-                out.append(f"{indent}{name}.{member} = {zero};")
+            out.append(f"{indent}(void)memset(&{name}, 0, sizeof {name});")
         else:
             text = self.passed(value, kind)
             out.append(f"{indent}{self.local(name) if declare else name} = {text};")
 
     def copy(self, target: ast.Subscript, value: ast.expr, indent: str, out: list[str]) -> None:
-        # v[a:b] = w, or a part of it, is a loop; parameters are a struct, which C copies; a pair writes
-        # through a pointer.
+        # v[a:b] = w, or a part of it; parameters are a struct, which C copies; a pair writes through a
+        # pointer.
         cut, kind = target.slice, target.value.type  # type: ignore[attr-defined]
         assert isinstance(cut, ast.Slice)
         if kind[0] == "Params":
             out.append(f"{indent}{self.pointed(target.value)} = {self.pointed(value)};")
             return
-        first = self.text(cut.lower) if cut.lower else "0"
+        place = self.text(target.value) + self.offset(cut.lower)
         if getattr(value, "type", VOID) == PAIR:
-            offset = "" if first == "0" else f" + {first}"
-            out.append(f"{indent}{self.text(value)[:-1]}, {self.text(target.value)}{offset});")
+            out.append(f"{indent}{self.text(value)[:-1]}, {place});")
             return
-        end = self.operand(cut.upper, None, SHIFT) if cut.upper else self.size(kind[1])
-        offset = "0"
+        source = self.text(value)
         if isinstance(value, ast.Call):
-            offset, value = self.text(value.args[1]), value.args[0]
-        shift = "i_"
-        if offset != first:
-            shift += (
-                f" + {offset}"
-                if first == "0"
-                else f" - {first}"
-                if offset == "0"
-                else f" - {first} + {offset}"
-            )
-        out.append(f"{indent}for (int i_ = {first}; i_ < {end}; i_++) {{")
-        out.append(f"{indent}    {self.text(target.value)}[i_] = {self.text(value)}[{shift}];")
-        out.append(f"{indent}}}")
+            source = self.text(value.args[0]) + self.offset(value.args[1])
+        count = self.length(cut.lower, cut.upper) if cut.upper else self.size(kind[1])
+        name = "copy_numbers" if kind[0] == "IVec" else "copy"
+        out.append(f"{indent}lagc_{name}({place}, {source}, {count});")
+
+    def offset(self, first: ast.expr | None) -> str:
+        """Return what leads from a vector to its part from `first` on."""
+        if first is None or isinstance(first, ast.Constant):
+            return f" + {first.value}" if first and first.value else ""  # type: ignore[str-bytes-safe]
+        return f" + {self.operand(first, None, SUM)}"
+
+    def length(self, first: ast.expr | None, end: ast.expr) -> str:
+        """Return the length of a part."""
+        if isinstance(end, ast.BinOp) and first and ast.unparse(end.left) == ast.unparse(first):
+            return self.text(end.right)
+        return f"{self.text(end)} - {self.operand(first, None, PRODUCT)}" if first else self.text(end)
 
     def pointed(self, node: ast.expr) -> str:
         """Return the struct of parameters itself, not a pointer."""
@@ -264,6 +285,8 @@ class CPrinter:
     def converted(self, node: ast.expr, wanted: Type) -> str:
         """Return an expression where the type `wanted` is expected, with explicit conversion."""
         kind: Type = node.type  # type: ignore[attr-defined]
+        if wanted == BOOL:
+            return self.condition(node)
         if kind == wanted or kind[0] in ("Vec", "IVec", "Mat", "Rows", "Record", "Params", "Cell"):
             return self.text(node)
         return self.operand(node, wanted, 0)
@@ -286,14 +309,14 @@ class CPrinter:
     def condition(self, node: ast.expr, least: int = 0) -> str:
         """Return a condition, as an operand of an operator that binds as `least`; a number is compared with
         zero (MISRA C 2012, rule 14.4)."""
-        compared = isinstance(node, ast.Compare | ast.BoolOp | ast.UnaryOp | ast.Constant)
-        if compared or (isinstance(node, ast.Call) and identifier(node.func) == "present"):
+        if not self.is_number(node):
             return self.operand(node, None, least)
-        return (
-            f"({self.operand(node, None, EQUAL)} != 0)"
-            if least
-            else f"{self.operand(node, None, EQUAL)} != 0"
-        )
+        text = f"{self.operand(node, None, EQUAL)} != 0"
+        return f"({text})" if least else text
+
+    def is_number(self, node: ast.expr) -> bool:
+        """Return whether a truth value is an int: a member of a record, or an entry."""
+        return isinstance(node, ast.Attribute | ast.Subscript)
 
     def text(self, node: ast.expr) -> str:
         return self.expression(node)[0]
@@ -302,7 +325,7 @@ class CPrinter:
         # Text and binding strength of each expression: the caller decides on parentheses.
         match node:
             case ast.Constant(value=bool() as value):
-                return str(int(value)), ATOM
+                return str(value).lower(), ATOM
             case ast.Constant(value=int() as value):
                 return str(value), ATOM if value >= 0 else SIGN
             case ast.Constant(value=value):
@@ -336,7 +359,9 @@ class CPrinter:
                 sign, binds = ("&&", AND) if isinstance(op, ast.And) else ("||", OR)
                 return f" {sign} ".join(self.condition(v, binds) for v in values), binds
             case ast.UnaryOp(op=ast.Not(), operand=operand):
-                return f"!{self.condition(operand, ATOM)}", SIGN
+                if self.is_number(operand):
+                    return f"{self.text(operand)} == 0", EQUAL
+                return f"!{self.operand(operand, None, ATOM)}", SIGN
             case ast.UnaryOp(operand=operand):
                 return f"-{self.operand(operand, None, ATOM)}", SIGN
             case ast.IfExp(test=test, body=body, orelse=orelse):
@@ -444,6 +469,8 @@ def places(body: Sequence[ast.stmt]) -> dict[str, ast.stmt | None]:
 # -- layout: comments, long lines, names of structs --
 
 WIDTH = 98  # of a line
+COPIES = {"copy": "lagc_real", "copy_numbers": "int"}  # of vectors: function, type of an entry
+_BREAKS = (" + ", " - ", " || ", " && ", " : ", " = ")
 
 
 def block_comment(text: str) -> str:
@@ -453,32 +480,39 @@ def block_comment(text: str) -> str:
     return "/* " + "\n".join([lines[0], *((" * " + line.strip()).rstrip() for line in lines[1:])]) + " */\n"
 
 
+def copies(text: str) -> list[str]:
+    """Return the definitions of the COPIES that a text calls."""
+    return [
+        f"static void lagc_{name}({kind} *to, const {kind} *from, int n)\n{{\n"
+        "    (void)memmove(to, from, (size_t)n * sizeof *to);\n}\n"
+        for name, kind in COPIES.items()
+        if f"lagc_{name}(" in text
+    ]
+
+
+def first_sentence(text: str) -> str:
+    """Return the first sentence of a description, on one line."""
+    return re.split(r"(?<=[^A-Z][.:])\s+(?=[A-Z`])", " ".join(text.split()), maxsplit=1)[0]
+
+
+def ignored(names: Iterable[str]) -> str:
+    """Return statements that say that parameters are not used, on one line."""
+    return " ".join(f"(void){name};" for name in names)
+
+
 def folded(line: str) -> str:
-    """Break a long line before an operator or after a comma."""
-    indent = " " * (len(line) - len(line.lstrip()) + 8)
+    """Break a long line before an operator or after a comma. Its indentation will be half of what it is."""
+    lead = len(line) - len(line.lstrip())
+    indent, width = " " * (lead + 8), WIDTH + lead // 2
     rows = []
-    while len(line) > WIDTH:
-        cuts = [
-            line.rfind(sign, len(indent) + 12, WIDTH) for sign in (" + ", " - ", " || ", " && ", " : ", " = ")
-        ]
-        cut = max(*cuts, line.rfind(", ", len(indent) + 12, WIDTH) + 1)
+    while len(line) > width:
+        cuts = [line.rfind(sign, len(indent) + 12, width) for sign in _BREAKS]
+        cut = max(*cuts, line.rfind(", ", len(indent) + 12, width) + 1)
         if cut < 1:
             break
         rows.append(line[:cut])
         line = indent + line[cut + 1 :]
     return "\n".join([*rows, line])
-
-
-def wrapped(start: str, parts: Sequence[str]) -> str:
-    """Return a function head with its parameters on short lines."""
-    rows = [start]
-    for k, part in enumerate(parts):
-        text = part + ("," if k < len(parts) - 1 else ")")
-        if rows[-1] != start and len(rows[-1]) + len(text) > WIDTH:
-            rows[-1] = rows[-1].rstrip()
-            rows.append(" " * len(start))
-        rows[-1] += text + (" " if k < len(parts) - 1 else "")
-    return "\n".join(rows)
 
 
 def snake(name: str) -> str:

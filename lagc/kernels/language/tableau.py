@@ -79,3 +79,7 @@ class Method(Protocol):
 
 
 METHODS: tuple[Method, ...]
+
+
+def is_method(number: int, method: Method) -> bool:  # type: ignore[empty-body]
+    """Return whether a method has this number, which is not asked if a model has this method alone."""
