@@ -32,12 +32,11 @@ _OPERATORS = {
 
 
 class CPrinter:
-    """Prints with `lagc_` and `LAGC_` before each name of the interface. `derived`: sizes that are
-    expressions of others; `constants`: their text."""
+    """Prints with `lagc_` and `LAGC_` before each name of the interface. `numbers`: sizes that have no name;
+    `constants`: their text."""
 
-    def __init__(self, real: Arithmetic, derived: Mapping[str, str], constants: Mapping[str, str]):
-        self.real, self.derived = real, derived
-        self.constants = constants
+    def __init__(self, real: Arithmetic, numbers: Mapping[str, str], constants: Mapping[str, str]):
+        self.real, self.numbers, self.constants = real, numbers, constants
 
     # -- declarations --
 
@@ -52,13 +51,7 @@ class CPrinter:
         return (f"lagc_{snake(kind[1])}" if name is None else name) + " "
 
     def size(self, name: str) -> str:
-        return self.named(name)[0]
-
-    def named(self, name: str) -> tuple[str, int]:
-        if name in self.derived:
-            text = self.derived[name]
-            return text, PRODUCT if "*" in text else SUM if " " in text else ATOM
-        return f"LAGC_{name}", ATOM
+        return self.numbers.get(name, f"LAGC_{name}")
 
     def member(self, kind: Type, name: str) -> str:
         """Return the declaration of a member; truth values are ints for callers in other languages."""
@@ -362,7 +355,7 @@ class CPrinter:
             return self.constants[name], ATOM
         if name in self.now.known.tables:
             return f"lagc_{name}", ATOM
-        return (self.real.infinity, ATOM) if name == "inf" else self.named(name)
+        return self.real.infinity if name == "inf" else self.size(name), ATOM
 
     def entry(self, value: ast.expr, index: ast.expr) -> tuple[str, int]:
         # Rows of a caller are one block; a struct of parameters is read as an array of reals.
