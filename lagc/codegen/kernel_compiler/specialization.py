@@ -22,11 +22,6 @@ SAME_WITHOUT = {
     "motion_at": ("NLOADED", "rhs_at"), "put_on_constraints": ("NCON", "project"),
     "pass_event": ("NCON", "handle_event"),
 }  # fmt: skip
-# Kernels that are another one, of fewer arguments: name -> (size, other name, its arguments).
-FEWER_WITHOUT = {
-    "indicators_at": ("NLATE", "fn_indicators_on", 5),
-    "indicator_rates_at": ("NLATE", "fn_indicator_rates_on", 6),
-}
 Flags = Mapping[str, bool]
 N = TypeVar("N", bound=ast.AST)
 
@@ -142,12 +137,6 @@ class Statics:
 
     def expression(self, node: ast.expr) -> ast.expr:
         # Kernels that are another one without some size.
-        if isinstance(node, ast.Call) and identifier(node.func) in FEWER_WITHOUT:
-            flag, other, count = FEWER_WITHOUT[identifier(node.func)]
-            if not self.flags[flag]:
-                function = ast.copy_location(ast.Name(other, ast.Load()), node)
-                plain = ast.Call(function, node.args[:count], [])
-                return self.expression(ast.copy_location(plain, node))
         if isinstance(node, ast.Name) and node.id in SAME_WITHOUT:
             flag, other = SAME_WITHOUT[node.id]
             if not self.flags[flag]:
