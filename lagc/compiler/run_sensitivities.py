@@ -32,43 +32,47 @@ def add_sensitivities(
     loaded: Loaded, run: Solution, request: Request, parameters: Sequence[float], progress: Progress | None
 ) -> None:
     """Add the sensitivities of `request` to `run`, which has these parameters and inputs."""
-    # Without contacts the motion and its derivatives are those of the model itself.
-    own = loaded.artifact
-    complete, wanted = request.completed(own.interface.simulate), directions_of(loaded, request.sensitivity)
-    if not own.interface.contacts:
-        followed = loaded.sensitive(run.system.backend).bind(parameters)
-        mode = Mode(loaded.differentiated.model.bind(parameters), followed, wanted)
-        sensitivities(lambda x: mode, None, run, complete, progress)
-        return
-    # With contacts each of their modes is a model of its own, with what touches as constraints and loads.
-    known, modes = _by_name(own.interface, parameters), dict[tuple[int, ...], Mode]()
-
-    def mode_of(x: Sequence[float]) -> Mode:
-        held = modes_of(own.interface, x)
-        if held not in modes:
-            modes[held] = _mode(loaded, held, request.sensitivity, run.system.backend, known)
-        return modes[held]
-
-    system = loaded.system("numpy").bind(parameters)
-    assert isinstance(system, NumpySystem)
-    sensitivities(mode_of, Mode(system, run.system, wanted), run, complete, progress)
+    complete, whole = request.completed(loaded.artifact.interface.simulate), None
+    if loaded.artifact.interface.contacts:
+        system = loaded.system("numpy").bind(parameters)
+        assert isinstance(system, NumpySystem)
+        whole = Mode(system, run.system, directions_of(loaded, request.sensitivity))
+    modes = _Modes(loaded, request.sensitivity, run.system.backend, parameters)
+    sensitivities(modes, whole, run, complete, progress)
 
 
-def _mode(
-    loaded: Loaded, held: tuple[int, ...], names: Sequence[str], backend: str, known: Mapping[str, float]
-) -> Mode:
-    """Return the code in which contacts are held in these modes, with parameters and inputs that are known by
-    name."""
-    own, system, followed = loaded.artifact, loaded.in_contact_modes(held), loaded.sensitive(backend, held)
-    # Parameters and inputs may reach nothing in these modes: directions by them are zero.
-    used = {f.name for f in (*system.interface.parameters, *system.interface.inputs)}
-    fields = (*own.unused, *own.interface.parameters, *own.interface.inputs)
-    unused = [field for field in fields if field.name not in used]
-    return Mode(
-        system.model.bind(_values(system.interface, known)),
-        followed.bind(_values(followed.interface, known)),
-        directions(system.interface, names, unused, own.built_in),
-    )
+class _Modes:
+    """The code of a motion in the modes of its contacts: for each a model of its own, with what touches as
+    constraints and loads. It is compiled when a state in these modes is first asked for."""
+
+    def __init__(self, loaded: Loaded, names: Sequence[str], backend: str, parameters: Sequence[float]):
+        self.loaded, self.names, self.backend, self.parameters = loaded, names, backend, parameters
+        self.found = dict[tuple[int, ...], Mode]()
+
+    def __call__(self, x: Sequence[float]) -> Mode:
+        held = modes_of(self.loaded.artifact.interface, x)
+        if held not in self.found:
+            self.found[held] = self._mode(held) if held else self._without_contacts()
+        return self.found[held]
+
+    def _without_contacts(self) -> Mode:
+        system = self.loaded.differentiated.model.bind(self.parameters)
+        followed = self.loaded.sensitive(self.backend).bind(self.parameters)
+        return Mode(system, followed, directions_of(self.loaded, self.names))
+
+    def _mode(self, held: tuple[int, ...]) -> Mode:
+        own, system = self.loaded.artifact, self.loaded.in_contact_modes(held)
+        followed = self.loaded.sensitive(self.backend, held)
+        # Parameters and inputs may reach nothing in these modes: directions by them are zero.
+        used = {f.name for f in (*system.interface.parameters, *system.interface.inputs)}
+        fields = (*own.unused, *own.interface.parameters, *own.interface.inputs)
+        unused = [field for field in fields if field.name not in used]
+        known = _by_name(own.interface, self.parameters)
+        return Mode(
+            system.model.bind(_values(system.interface, known)),
+            followed.bind(_values(followed.interface, known)),
+            directions(system.interface, self.names, unused, own.built_in),
+        )
 
 
 def _by_name(interface: Interface, values: Sequence[float]) -> dict[str, float]:

@@ -36,6 +36,7 @@ FILES = (
     "events/sampled_indicators",
     "contact/kept_blocks",
     "contact/touching",
+    "contact/flight",
     "integrators/explicit_runge_kutta",
     "integrators/stage_equations",
     "integrators/radau",

@@ -7,7 +7,8 @@ section II.4; L. F. Shampine, I. Gladwell, R. W. Brankin, ACM Trans. Math. Softw
 from math import fabs
 
 from lagc.kernels.call_boundary import evaluate_start, keep_parameters, report_culprit
-from lagc.kernels.contact.kept_blocks import keep_blocks
+from lagc.kernels.contact.flight import begin_flight
+from lagc.kernels.contact.kept_blocks import keep_blocks, keep_blocks_at_rest
 from lagc.kernels.contact.slips import keep_slip_errors, time_to_stop, turns_fast
 from lagc.kernels.contact.touching import forget_forces, put_on_constraints, rates_at
 from lagc.kernels.events.contact_events import pass_event
@@ -474,6 +475,17 @@ def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w
             return OK
 
 
+def prepare_contacts(p: Params, s: State, o: Options, w: Work) -> None:
+    """Prepare the workspace of contacts for the attempts of a step."""
+    implicit = False
+    if NNEWTON > 0:
+        implicit = is_implicit(o.method)
+        if implicit:
+            find_departures(p, s, DEPARTURE * o.rtol * loosening(o), w)
+    keep_blocks(True, w)
+    begin_flight(s.x, implicit, w)
+
+
 def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
     """Make one step towards t1, at most to it, and then exactly."""
     # The dense output of the last step reads stages that this step overwrites.
@@ -486,7 +498,11 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
     # Contacts or clauses that act at the beginning are reported as a step of length 0.
     if NLEAP > 0:
         changes = s.changes
+    if NCON > 0:
+        keep_blocks_at_rest(True, w)
     status = evaluate_start(p, s, a.direction, w)
+    if NCON > 0:
+        keep_blocks(False, w)
     if failed(status):
         return report_culprit(s, status, w)
     if NLEAP > 0:
@@ -510,10 +526,7 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
         if failed(status):
             return report_culprit(s, status, w)
     if NCON > 0:
-        if NNEWTON > 0:
-            if is_implicit(o.method):
-                find_departures(p, s, DEPARTURE * o.rtol * loosening(o), w)
-        keep_blocks(True, w)
+        prepare_contacts(p, s, o, w)
     status = find_step(p, s, t1, goal, o, a, w)
     if NCON > 0:
         keep_blocks(False, w)

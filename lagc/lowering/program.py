@@ -234,6 +234,7 @@ class Interface:
     discretes: tuple[Field, ...] = ()  # variables that clauses `when` alone change: the last of x
     booleans: tuple[int, ...] = ()  # 1: a truth value, stored as 0 or 1
     features: int = 0  # terms that may be narrow
+    enclosed: tuple[int, ...] = ()  # states of (q, v) that bounds in a box depend on
     contacts: tuple[Contact, ...] = ()  # the last of `discretes` and of `relations`
     blocks: tuple[Block, ...] = ()  # of contacts
     poles: int = 0  # divisors that may come near zero

@@ -205,6 +205,42 @@ def test_a_slip_in_space_that_stops() -> None:
 
 
 @pytest.mark.full
+@pytest.mark.parametrize("along", [0.0, 0.1])
+def test_a_slip_that_begins_at_the_start(along: float) -> None:
+    """On a slope (a, b) of length s a block slides by g (s - mu n) t^2/2. At other speeds friction is
+    opposite on both sides."""
+    text = f"""model Slope
+      parameter Real mu = 0.3, a = 0.5;
+      coordinate Length x, y, z;
+      body b = Particle(mass = 1 [kg], at = {{x, y, z}});
+      Gravity field(g = 9.81 [m/s2], direction = {{a, {along}, -0.8}});
+      constraint floor: z >= 0 (friction = mu, at = b);
+      {"constraint rail: y = 0;" if along == 0.0 else ""}
+    end Slope;"""
+    run = lagc.loads(text).compile(backend="numpy").simulate(
+        1.0, points=5, accuracy=1e-8, sensitivity=["mu", "a", "start(der(x))"]
+    )  # fmt: skip
+    assert "`start(der(x))`: at t = 0 s: `floor` begins to slip" in run.message
+    t = np.array(run.t)
+    for name in ("mu", "a"):
+        mu, a = (complex(value, 1e-30 * (name == n)) for n, value in (("mu", 0.3), ("a", 0.5)))
+        s, length = np.sqrt(a**2 + along**2), np.sqrt(a**2 + along**2 + 0.64)
+        slope = (9.81 * a / s * (s - 0.8 * mu) / length / 2.0).imag / 1e-30
+        assert np.allclose(run[f"d(x)/d({name})"], slope * t**2, 0.0, 1e-7)
+
+
+@pytest.mark.full
+def test_both_backends_are_equal_to_the_bit() -> None:
+    values = []
+    for backend in ("numpy", "c"):
+        belt = lagc.load("block_on_belt").compile(backend=backend)
+        run = belt.simulate(5.0, points=21, accuracy=1e-7, sensitivity=["w", "mu"])
+        assert run.sensitivities is not None and run.status == "ok"
+        values.append(run.sensitivities.values)
+    assert np.array_equal(*values)
+
+
+@pytest.mark.full
 def test_two_balls_at_one_time() -> None:
     """Together they fall for any g; for other heights one comes first, and there is no derivative."""
     text = """model Two

@@ -154,4 +154,8 @@ CASES = [
     ("a kinetic energy of a point", "LAG0221", "point P = {x, 0, 0}; output Energy K = kinetic(«P»);"),
     ("a potential of a body", "LAG0221", "output Energy K = potential(«b»);"),
     ("an array of orientations", "LAG0221", "coordinate Orientation «o[2]»;"),
+    ("a joint that is a number", "LAG0233",
+     "model A body a = Solid(mass = 1, inertia = {1, 1, 1}, com = {0, 0, 1}); joint j = «3»; end A;"),
+    ("a joint without its parentheses", "LAG0233",
+     "model A body a = Solid(mass = 1, inertia = {1, 1, 1}, com = {0, 0, 1}); joint j = «Revolute»; end A;"),
 ]  # fmt: skip

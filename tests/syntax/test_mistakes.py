@@ -88,6 +88,7 @@ MISTAKES = [
     ("coordinate Length q; force F = v on q;", ";", "LAG0127", "`q` is a coordinate"),
     ("for i in 1:n point P[i] = x; end for;", "point", "LAG0128", "loop"),
     ("for i = 1:n loop point P[i] = x; end for;", "=", "LAG0128", "in"),
+    ("for i in 1..3 loop point P[i] = x; end for;", "for i in 1..3", "LAG0128", "write `for i in 1:3 loop`"),
     ("output Real s = if x > 3 then 4;", ";", "LAG0128", "else"),
     ("output Real s = if x > 3 4 else 5;", "4 else", "LAG0128", "then"),
     ("constraint x = 3;", "= 3", "LAG0129", "name"),

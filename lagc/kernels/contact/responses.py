@@ -13,7 +13,7 @@ from math import fabs
 
 from lagc.kernels.constraints.projection import assemble_at, solve_at
 from lagc.kernels.dynamics.loaded_reactions import follow_loads, keep_load_matrix, update_load
-from lagc.kernels.dynamics.rhs import assemble_entries, factor_safely
+from lagc.kernels.dynamics.rhs import assemble_entries, factor_safely, store_rates
 from lagc.kernels.language.vocabulary import *
 from lagc.kernels.linear_algebra.cholesky import solve_lower, solve_upper
 
@@ -300,3 +300,21 @@ def reactions_agree(lam: Vec[NC], w: Work) -> bool:
             agree = False
     w.contacts.forces[:] = w.loads.pushes
     return agree
+
+
+def store_power(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
+    """Set the rate of the work integral for accelerations, multipliers and forces of contacts."""
+    if NZ > 0:
+        # The work integral follows from the accelerations with contacts. Loads of normal forces do work too.
+        w.a[:] = part(xdot, NQ, NQ + NV)
+        w.qdot[:] = part(xdot, 0, NQ)
+        store_rates(p, t, x, xdot, lam, w)
+        # Power of the contact forces themselves: p . R v, zero but for slips.
+        for i in range(NCON):
+            if w.contacts.touched[i] > 0:
+                block = contact_block[i]
+                for row in range(contact_first[i], contact_first[i] + contact_slips[i] + 1):
+                    for c in range(speed_begin[block], speed_end[block]):
+                        j = block_speed[c]
+                        power = w.contacts.pushes[row] * w.contacts.rows[row * NV + j]
+                        xdot[NQ + NV] += power * x[NQ + j]

@@ -3,7 +3,7 @@
 The slack of their indicators is the round-off by which these may be beyond zero where a step begins.
 """
 
-from lagc.kernels.contact.kept_blocks import keep_blocks
+from lagc.kernels.contact.kept_blocks import keep_blocks, keep_blocks_at_rest
 from lagc.kernels.contact.settle import bounds_jump, settle, settle_jump
 from lagc.kernels.contact.slips import REACHES, RELEASES, SLIDES, STOPS, TURNS, reach_of
 from lagc.kernels.contact.touching import find_touching, rates_at, set_gaps, slip_along, slip_relation
@@ -218,7 +218,7 @@ def pass_relations(p: Params, s: State, direction: Real, w: Work) -> Status:
 
 def pass_event(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Do what happens where relations or contacts in w.events.crossed cross, at (s.t, s.x)."""
-    keep_blocks(False, w)
+    keep_blocks_at_rest(True, w)
     w.settling.has_acted = False
     w.settling.modes_before[:] = s.modes
     if NWHEN > 0:
@@ -234,6 +234,7 @@ def pass_event(p: Params, s: State, direction: Real, w: Work) -> Status:
             restore_state(s, w)
         else:
             record_crossing_times(s, w)
+    keep_blocks(False, w)
     return status
 
 

@@ -50,11 +50,12 @@ def method_error_parts(method: int, s: State, w: Work) -> None:
             m.error_parts(s, w)
 
 
-def method_stage_deviations(method: int, h: Real, s: State, far: Vec[NX]) -> None:
-    """Compute the largest deviation of the stages from the cubic through both ends."""
+def method_stage_deviation(method: int, i: int, h: Real, s: State) -> Real:
+    """Return the largest deviation of the rate of a state at the stages from the cubic through both ends."""
     for m in static(METHODS):
         if is_method(method, m):
-            m.stage_deviations(h, s, far)
+            return m.stage_deviation(i, h, s)
+    return 0.0
 
 
 def method_dense_output(method: int, p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State,

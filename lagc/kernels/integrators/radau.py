@@ -395,19 +395,19 @@ def restore_stages(s: State) -> None:
         s.k[1 + j][:] = s.k[5 + j]
 
 
-def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:
-    """Compute the largest deviation of the rates at the stages from the slope of the cubic between the ends
-    of the step from s.x to s.x_new."""
+def stage_deviation(i: int, h: Real, s: State) -> Real:
+    """Return the largest deviation of the rate of a state at the stages from the slope of the cubic between
+    the ends of the step from s.x to s.x_new."""
     # Rates of the stages by A^-1 z / h against the slope of the cubic Hermite interpolant.
-    for i in range(NQ + NV):
-        mean = (s.x_new[i] - s.x[i]) / h
-        far[i] = 0.0
-        for j in static(range(len(C))):
-            c = number(C[j])
-            slope = 6.0 * c * (1.0 - c) * mean + (1.0 - c) * (1.0 - 3.0 * c) * s.k[0][i]
-            own = fabs(combination(INVERSE[j], s.k, i) / h - slope - c * (3.0 * c - 2.0) * s.k[END_RATE][i])
-            if own > far[i]:
-                far[i] = own
+    mean = (s.x_new[i] - s.x[i]) / h
+    far = 0.0
+    for j in static(range(len(C))):
+        c = number(C[j])
+        slope = 6.0 * c * (1.0 - c) * mean + (1.0 - c) * (1.0 - 3.0 * c) * s.k[0][i]
+        own = fabs(combination(INVERSE[j], s.k, i) / h - slope - c * (3.0 * c - 2.0) * s.k[END_RATE][i])
+        if own > far:
+            far = own
+    return far
 
 
 def dense_output(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, w: Work) -> Status:

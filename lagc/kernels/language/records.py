@@ -300,6 +300,10 @@ class ContactWork:
     x: Vec[NX]
     rates: Vec[NX]
     lam: Vec[NC]
+    flies: bool  # no contact touches in this step, but those of blocks at rest
+    touches: bool  # one of these does
+    constant: IVec[NBLOCK]  # these blocks
+    constant_count: int  # how many
     # Blocks whose states do not change within a step keep their rates and forces
     keeps: bool
     known: IVec[NBLOCK]

@@ -50,6 +50,7 @@ class NTIMED(metaclass=SizeType): ...  # of these the ones of time alone, which 
 class NFREE(metaclass=SizeType): ...  # the others, which depend on the state
 class NBOX(metaclass=SizeType): ...  # ends of a box of time and states
 class NENDS(metaclass=SizeType): ...  # 2 NFREE
+class NENCLOSED(metaclass=SizeType): ...  # states of (q, v) that bounds in a box depend on
 class NFEAT(metaclass=SizeType): ...  # terms that may be narrow
 class NBOUNDS(metaclass=SizeType): ...  # 2 NFEAT
 class NPOLE(metaclass=SizeType): ...  # divisors that may come near zero

@@ -52,6 +52,7 @@ class Passage:
         try:
             if run.status == INTERRUPTED:
                 raise KeyboardInterrupt
+            t, x = self._from(self._changes(run).begun(t, x, self.start), times)
             for event in self._events(run, times[0]):
                 before = self._beside(event, STICKS, ENDS * sqrt(self._tolerance), times)
                 s, near = self._between(t, x, event.t - before, s, times, progress, found)
@@ -59,11 +60,8 @@ class Passage:
                     break
                 if before > 0.0:
                     s = self._further(event.t - before, x, near, s, before)
-                t, x = event.t, event.after
-                after = self._beside(event, SLIPS, self._tolerance, times)
-                begun = self.whole.followed.integrate(self.options, t, x, [t + after]).x if after else x
-                s = self._across(replace(event, near=near, begun=begun), s, run, found)
-                t, x = t + after, begun
+                t, x = self._from(event, times)
+                s = self._across(replace(event, near=near, begun=x), s, run, found)
             if not found.message:
                 s, _ = self._between(t, x, None, s, times, progress, found)
                 if run.status not in (OK, TERMINATED):
@@ -119,6 +117,15 @@ class Passage:
             return 0.0
         return min(share * (times[-1] - times[0]), NEAR * event.since)
 
+    def _from(self, event: ContactEvent, times: Sequence[float]) -> tuple[float, Sequence[float]]:
+        """The time and state from which S is followed after an event."""
+        after = self._beside(event, SLIPS, self._tolerance, times)
+        if not after:
+            return event.t, event.after
+        return event.t + after, self.whole.followed.integrate(
+            self.options, event.t, event.after, [event.t + after]
+        ).x
+
     def _further(
         self, t: float, x: Sequence[float], near: Sequence[float], s: Tangents, time: float
     ) -> Tangents:
@@ -131,12 +138,13 @@ class Passage:
 
     def _across(self, event: ContactEvent, s: Tangents, run: Trajectory, found: Followed) -> Tangents:
         """Return S after an event."""
-        system, n = self.whole.system, len(self.start)
-        sizes = np.array([run.sizes[kind] for kind in system.interface.kinds])
-        changes = ContactChanges(self.whole.of(self.kept), np.where(sizes > 0.0, sizes, 1.0)[:n])
-        changed, terms, doubts, noise = changes.beyond(event, s.now.T)
+        changed, terms, doubts, noise = self._changes(run).beyond(event, s.now.T)
         found.passed[found.reached :] += 1
         return self.groups.changed(s, changed + doubts if self.displaced else changed, terms, noise)
+
+    def _changes(self, run: Trajectory) -> ContactChanges:
+        sizes = np.array([run.sizes[kind] for kind in self.whole.system.interface.kinds])
+        return ContactChanges(self.whole.of(self.kept), np.where(sizes > 0.0, sizes, 1.0))
 
     def _events(self, run: Trajectory, begin: float) -> Iterator[ContactEvent]:
         """The events of contacts of a run. Raises Stopped where something else happens at the same time."""

@@ -20,9 +20,9 @@ import numpy as np
 from lagc.base.records import dataclass
 from lagc.codegen.python.support.contacts import CLOSES, RESTS, SLIPS, STICKS, STRIKES
 from lagc.mechanics.formulation.contacts import MODE_STICKS
-from lagc.simulation.linearization.derivatives import Array
+from lagc.simulation.linearization.derivatives import TINY, Array
 from lagc.simulation.sensitivity.differences import extrapolated, size_of
-from lagc.simulation.sensitivity.saltation import LOCATED, Stopped, common_shift
+from lagc.simulation.sensitivity.saltation import ALIKE, LOCATED, Stopped, common_shift
 from lagc.simulation.sensitivity.sensitivities import CLEAR, Mode
 from lagc.simulation.system import OK, REDUNDANT, Options
 
@@ -30,6 +30,7 @@ FARTHEST = (1e-2, 1e-3, 1e-4, 1e-6)  # of the sizes of states and parameter: dis
 DIFFERENCES = 5
 NEAR = 1e-6  # of the size of a state: the displacement that shows the terms of an indicator
 ROUNDED = 1e-13  # of the size of a state: round-off of the map of an impact, over its displacement
+SAMPLED = 1e-2  # of the time since the last event: distance of the zero of a force from its event
 SURE = 1e-9  # of the terms of a change: its error after which no shorter displacements are tried
 EDGE = "the smallest change decides what contacts do"
 TOUCHES, RELEASES, STOPS, BEGINS = "touches", "is released", "stops slipping", "slips"
@@ -79,6 +80,34 @@ class ContactChanges:
             array[:, idle] = 0.0
         return found, terms, doubts, noise
 
+    def begun(self, t: float, x: Sequence[float], now: Array) -> ContactEvent:
+        """Return the slips that begin at the initial state x, as an event. Raises Stopped if a direction
+        gives them a speed: friction is opposite on both sides."""
+        contacts, module = self.system.interface.contacts, self.module
+        here, first = np.array(self.system.indicators(t, x)), len(x) - len(contacts)
+        rows = {
+            i: [module["slip_relation"](i) + k for k in range(contact.slips)]
+            for i, contact in enumerate(contacts)
+            if contact.slips and x[first + i] not in (0.0, MODE_STICKS)
+        }
+        acts = {
+            i: SLIPS for i, own in rows.items() if (np.abs(here[own]) <= ROUNDED * self.sizes.max()).all()
+        }
+        event = ContactEvent(t, x, x, acts, inf)
+
+        def slips(equations: Any, t: float, x: list[float]) -> Array:
+            found = [0.0] * len(here)
+            modes = self.system.modes(event.t, event.before)
+            module["fn_indicators_on"](equations.p, t, x, modes, found)
+            return np.array(found)[[row for i in acts for row in rows[i]]]
+
+        moved = [self._slope(event, k, now[:, k], 0.0, slips)[0] for k in range(now.shape[1] if acts else 0)]
+        lost = [k for k, own in enumerate(moved) if (np.abs(own) > ALIKE * np.abs(now[:, k]).max()).any()]
+        if lost:
+            name = contacts[min(acts)].name
+            raise Stopped(f"`{name}` begins to slip: the derivatives differ on both sides", lost)
+        return event
+
     def _rates(self, event: ContactEvent, x: Sequence[float], beside: Sequence[float]) -> Array:
         equations, rates = self._placed(self.system.equations(), event, x, beside), [0.0] * self.system.nx
         lam = [0.0] * self.system.nc
@@ -113,11 +142,12 @@ class ContactChanges:
 
         here = values(self.system.equations(), event.t, list(event.before))
         speed, _ = self._slope(event, None, rates, 1.0, values)
-        # Only those at zero are causes; others follow them, as one that an impact opens.
-        causes = [
-            j for j, (*_, sure) in enumerate(watched)
-            if sure or abs(here[j]) <= LOCATED * event.since * abs(speed[j])
-        ]  # fmt: skip
+        # Only those at zero are causes; others follow them, as one that an impact opens. A force is located
+        # less well, on the dense output of a step.
+        away = np.abs(here) / np.maximum(np.abs(speed), TINY)
+        causes = [j for j, (*_, sure) in enumerate(watched) if sure or away[j] <= LOCATED * event.since]
+        if not causes and away.min() <= SAMPLED * event.since:
+            causes = [int(away.argmin())]
         slopes = [self._slope(event, k, now[:, k], 0.0, values)[0] for k in range(now.shape[1])]
         by_x = np.array([self._near(event, i, values) for i in range(self.n)]).T
         terms, sizes = np.abs(by_x) @ np.abs(rates), np.abs(by_x) @ np.abs(now)

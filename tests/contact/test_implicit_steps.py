@@ -1,7 +1,5 @@
 """Radau IIA beside contacts: stiff bushings on a floor, friction, rest, verified runs, both backends."""
 
-from __future__ import annotations
-
 from functools import cache
 from math import acos, cos, sin, sqrt
 
@@ -160,3 +158,50 @@ def test_fixed_steps_along_a_curved_contact_have_order_5() -> None:
         errors.append(abs(t - end))
     assert errors[2] < 1e-11
     assert 24.0 < errors[0] / errors[1] < 40.0 and 24.0 < errors[1] / errors[2] < 40.0
+
+
+@pytest.mark.full
+def test_forces_that_exist_on_one_side_alone() -> None:
+    """A pad with the force s^1.5, which is no number beyond its surface, under a machine that bounces."""
+    force = "if s > 0 then k*s*sqrt(s/1 [mm]) + c*sqrt(s/1 [mm])*der(s) else 0 [N]"
+    text = f"""model M
+  parameter Stiffness k = 3e7 [N/m];
+  parameter Damping c = 1e4 [N.s/m];
+  coordinate Length z(start = 0.1 [m]), s(start = 1 [mm]) "compression";
+  Gravity field;
+  body foot = Particle(mass = 0.5 [kg], at = {{0, 0, z}});
+  body machine = Particle(mass = 20 [kg], at = {{0, 0, z - s}});
+  force up = {{0, 0, {force}}} at machine;
+  force down = {{0, 0, -({force})}} at foot;
+  constraint floor: z >= 0 (restitution = 0.2);
+end M;"""
+    model = lagc.loads(text).compile(backend="numpy")
+    runs = [model.simulate(0.2, method=m, rtol=r, points=2) for m, r in (("radau5", 1e-7), ("dop853", 1e-10))]
+    assert [event.name for event in runs[0].events] == [event.name for event in runs[1].events]
+    for name in ("z", "s"):
+        assert runs[0].final[name] == pytest.approx(runs[1].final[name], abs=1e-6)
+
+
+@pytest.mark.full
+def test_dry_friction_of_a_joint_behind_a_stiff_shaft() -> None:
+    """A wheel in a bearing with the friction torque T = mu r m g stops after J w0/T and sticks. The motion of
+    a small motor beside it decays in a microsecond."""
+    text = """model M
+  parameter Inertia J = 0.1 [kg.m2], j = 1e-4 [kg.m2];
+  parameter RotationalStiffness k = 1e6 [N.m/rad];
+  parameter RotationalDamping c = 100 [N.m.s/rad];
+  coordinate Angle b(rate = 10 [rad/s]) "of the motor";
+  Gravity field(g = 9.81 [m/s2], direction = {0, -1, 0});
+  body wheel = Solid(mass = 10 [kg], inertia = {J, J, J}, com = {0, 0, 0});
+  body motor = Solid(mass = 1 [kg], inertia = {j, j, j}, frame = rotate_z(world, b), com = {0, 0, 0});
+  joint bearing = Revolute(world, wheel, axis = world.z, at = {0, 0, 0}, friction = 0.2, radius = 50 [mm],
+    angle(rate = 10 [rad/s]));
+  potential shaft = 1/2*k*(bearing.angle - b)^2;
+  dissipation loss = 1/2*c*(der(bearing.angle) - der(b))^2;
+end M;"""
+    run = lagc.loads(text).compile(backend="numpy").simulate(2.0, method="radau5", rtol=1e-8, points=2)
+    ((t, name),) = [(event.t, event.name) for event in run.events]
+    torque = 0.2 * 0.05 * 10.0 * 9.81
+    assert name == "bearing sticks" and t == pytest.approx(0.1001 * 10.0 / torque, rel=1e-9)
+    assert run.final["bearing.angle"] == pytest.approx(5.0 * t, rel=1e-9)
+    assert run.cost.steps < 100
