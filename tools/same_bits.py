@@ -110,8 +110,7 @@ def subjects(parts: list[str], stop: float) -> dict[str, Callable[[], Parts]]:
 
 def rejected() -> Parts:
     """The messages of refused models, each under the name of its case."""
-    from tests.rejected.test_habits import HABITS
-    from tests.rejected.test_rejected import CASES, unmarked, whole
+    from tests.rejected.test_rejected import CASES, HABITS, unmarked, whole
 
     texts = {about: unmarked(whole(text))[0] for about, _, text in CASES}
     texts.update({f"habit {name}": habit.text for name, habit in HABITS.items()})

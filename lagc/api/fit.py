@@ -76,7 +76,7 @@ class Fittable(Parametrized):
             found = fit(motions.wanted, measured, motions.evaluate, accuracy, confidence)
         except NotEvaluated:
             message = f"there is nothing to fit with the first values: {motions.last.message}"
-            remedy = "begin with other values; with contacts, leave out measurements after the first event"
+            remedy = "begin with other values, or leave out what was measured later"
             raise Refused([Fault("LAG0620", message, remedy=remedy)]) from None
         # Once more with the values found, for the run that is returned and plotted.
         found.run = motions.run([*found.values.values()])

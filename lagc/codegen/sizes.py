@@ -12,8 +12,9 @@ from lagc.kernels import IMPLICIT, METHODS, MOST_ACTS, SERIES
 from lagc.lowering.program import Interface
 
 CONSTANT_SIZES = {"TWO": 2, "THREE": 3, "FOUR": 4, "SEVEN": 7, "NK": 16, "ND": 8, "NTERM": 41}
-# Sizes without a name in generated C: expressions of other sizes, for numbers or for their text in C.
-DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
+SPELLED = {name: str(number) for name, number in CONSTANT_SIZES.items()}  # in C, where they have no name
+# Sizes that other sizes determine.
+DERIVED: dict[str, Callable[[Mapping[str, int]], int]] = {
     "NM": lambda n: n["NV"] * (n["NV"] + 1) // 2, "NG": lambda n: n["NC"] * n["NV"],
     "NR": lambda n: n["NV"] + n["NC"], "NTIED": lambda n: n["NH"] + n["NC"],
     "NREACH": lambda n: n["NC"] + n["NH"] + n["NGROUP"],
@@ -31,40 +32,6 @@ DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
 }  # fmt: skip
 
 
-class _InC:
-    """An expression in C."""
-
-    def __init__(self, text: object, is_sum: bool = False):
-        self.text, self.is_sum = str(text), is_sum
-
-    def _factor(self) -> str:
-        return f"({self.text})" if self.is_sum else self.text
-
-    def __add__(self, other: object) -> _InC:
-        return _InC(f"{self.text} + {_spelled(other).text}", True)
-
-    def __mul__(self, other: object) -> _InC:
-        return _InC(f"{self._factor()} * {_spelled(other)._factor()}")
-
-    def __floordiv__(self, other: object) -> _InC:
-        return _InC(f"{self._factor()} / {_spelled(other)._factor()}")
-
-
-def _spelled(value: object) -> _InC:
-    return value if isinstance(value, _InC) else _InC(value)
-
-
-class _NamesInC(dict[str, _InC]):
-    def __missing__(self, name: str) -> _InC:
-        return _InC(CONSTANT_SIZES.get(name, f"LAGC_{name}"))
-
-
-SPELLED = {  # in C
-    **{name: str(number) for name, number in CONSTANT_SIZES.items()},
-    **{name: formula(_NamesInC()).text for name, formula in DERIVED.items()},
-}
-
-
 def sizes_of(interface: Interface) -> dict[str, int]:
     """Return the sizes of a model (`lagc.kernels.language.sizes`)."""
     nq, nv, fields = interface.nq, interface.nv, (*interface.parameters, *interface.inputs)
@@ -80,7 +47,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
     loaded, pushed = len(interface.loading_rows), len(interface.pushed_contacts)
     normals = sum(c.normals for c in interface.contacts)
     rows = sum(1 + c.slips for c in interface.contacts)
-    known = nv + interface.nc + rows
+    known, multipliers = nv + interface.nc + rows, 0 if interface.contacts else interface.nc
     # Names and meanings are those of `kernels/language/sizes`.
     own = {
         "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NINT": nq + nv + interface.nz,
@@ -95,7 +62,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NFEAT": interface.features, "NBOUNDS": 2 * interface.features,
         "NPOLE": interface.poles, "NNEAR": 2 * interface.poles,
         "NGUARD": interface.features + interface.poles,
-        "NSEARCH": free + interface.features + interface.poles,
+        "NENCLOSED": len(interface.enclosed), "NSEARCH": free + interface.features + interface.poles,
         "NEDGES": 2 * relations if "edges" in interface.functions else 0,
         "NLOADED": loaded, "NHELD": sum(interface.held_rows),
         "NPUSHED": pushed, "NLOADS": loaded + pushed,
@@ -115,11 +82,11 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NQUANTITY": nq + nv + len(interface.outputs) + len(interface.discretes),
         "NLIMITS": len(interface.limits), "NPREPARED": interface.prepared, "NREAD": len(interface.read),
         "NSUM": sums, "NPARTS": len(interface.part_columns),
-        "NNEWTON": nq + nv + interface.nc if interface.stiff else 0,
+        "NNEWTON": nq + nv + multipliers if interface.stiff else 0, "NLAM": multipliers,
         "NDIRECTION": nq + 2 * nv + interface.nc if "newton_column" in interface.functions else 0,
         "NSERIES": interface.nx + 3 if interface.expands else 0,
         "NVALUE": values, "NLANE": lanes, "NSQUARE": squares, "NCONVOLVED": lanes + squares,
-        "NLINEAR": (nq if "displace" in interface.functions else 0) + nv + interface.nc,
+        "NLINEAR": (nq if "displace" in interface.functions else 0) + nv + multipliers,
     }  # fmt: skip
     found = _derived({**own, **start, **own})  # initialization has no work integrals
     if "system" not in interface.functions:
@@ -188,6 +155,7 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "ends": ends, "stretch_begins": begins, "stretch_ends": stops,
         "part_ends": interface.part_ends, "part_column": interface.part_columns,
         "has_edges": interface.counted_relations,
+        "enclosed_state": interface.enclosed,
         "clauses_only": [int(aside) for aside in interface.relations_aside],
         "terminates": [int(c.reason is not None) for c in interface.whens],
         "reinit_clause": [k for k, c in enumerate(interface.whens) for _ in c.states],

@@ -7,25 +7,23 @@ from typing import TYPE_CHECKING
 
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.kernels import IMPLICIT, SERIES
+from lagc.kernels import SERIES
 
 if TYPE_CHECKING:
     from lagc.semantics.model import Model
 
 DERIVED = ("derivatives", "sensitivities")
-UNLOADED = (*SERIES, "sensitivities")  # these do not follow loads of reactions either
 
 
 def refuse_contacts(model: Model, variant: str) -> None:
     """Raise Refused (LAG0623) if a model has contacts or dry friction, which no variant follows."""
     if model.contacts:
         asked = {"derivatives": "derivatives", "sensitivities": "sensitivities",
-                 **dict.fromkeys(IMPLICIT, "implicit methods, such as radau5,"),
                  **dict.fromkeys(SERIES, "methods by power series, such as taylor,")}  # fmt: skip
         contact = model.contacts[0]
         message = f"{asked[variant]} do not follow {contact.title} yet"
         other = "compare runs with values that differ a little" if variant in DERIVED else "take dop853"
-        if not contact.normals or variant not in UNLOADED:
+        if not contact.normals or variant not in SERIES:
             other += f", or {contact.otherwise}"
         raise Refused([Fault("LAG0623", message, contact.span, remedy=other)])
 

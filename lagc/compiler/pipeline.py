@@ -185,9 +185,9 @@ class _Variant(Compilation):
     @once
     def model(self) -> Model:
         found = self.base.model
-        # Events change discrete variables during a run; in derivatives they are held constant, so methods
-        # without events, and derivatives of contacts, are refused.
-        if self.variant not in EXPLICIT:
+        # Events change discrete variables during a run; in derivatives they are held constant. Taylor series
+        # and derivatives of contacts are refused.
+        if self.variant not in (*EXPLICIT, *IMPLICIT):
             refuse_contacts(found, self.variant)
         return with_fixed_discretes(found) if self._holds else found
 
@@ -272,7 +272,7 @@ def delivered(compilation: Compilation, contents: Contents = EXPLICIT_METHODS) -
 
     methods = contents.methods
     for method in methods:
-        if method not in EXPLICIT:
+        if method in SERIES:
             refuse_contacts(compilation.model, method)
     if contents.derivatives:
         refuse_contacts(compilation.model, "derivatives")
@@ -298,7 +298,7 @@ def delivered(compilation: Compilation, contents: Contents = EXPLICIT_METHODS) -
 def with_all_methods(compilation: Compilation) -> Program:
     """Return the program of a compilation with all methods that its equations admit."""
     if compilation.model.contacts:
-        return delivered(compilation)
+        return delivered(compilation, Contents([m for m in METHODS if m not in SERIES]))
     # An operation without a recurrence (LAG0591) excludes Taylor series alone; other reasons are reported.
     try:
         return delivered(compilation, Contents(METHODS))

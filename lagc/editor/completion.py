@@ -125,7 +125,7 @@ class _Place:
     def _values(self) -> Iterator[Offer]:
         """Yield the parts of an expression."""
         keyword = self._keyword()
-        if self.last == "=" and keyword in words.MADE and self.tokens[-3].text == keyword:
+        if self.last == "=" and keyword in words.MADE and [t.text for t in self.tokens[-3:-2]] == [keyword]:
             yield from _calls("thing", words.MADE[keyword])
         if self.last == "then" and keyword == "when":
             yield from (Offer(name, "function") for name in words.ACTIONS)

@@ -1,5 +1,6 @@
 """Beginning and end of a call: changes that the caller made, and the evaluation of the first rate."""
 
+from lagc.kernels.contact.kept_blocks import forget_blocks
 from lagc.kernels.contact.slips import turn_slips
 from lagc.kernels.contact.touching import rates_at
 from lagc.kernels.dynamics.rhs import factor_safely
@@ -129,6 +130,8 @@ def enter_call(s: State, w: Work) -> None:
         w.rank_deficient = s.rank_deficient
     if NMODE > 0:
         w.modes_fixed = True
+    if NCON > 0:
+        forget_blocks(w)
 
 
 def leave_call(s: State, status: Status, w: Work) -> Status:

@@ -7,10 +7,12 @@ section II.4; L. F. Shampine, I. Gladwell, R. W. Brankin, ACM Trans. Math. Softw
 from math import fabs
 
 from lagc.kernels.call_boundary import evaluate_start, keep_parameters, report_culprit
-from lagc.kernels.contact.kept_blocks import keep_blocks
+from lagc.kernels.contact.flight import begin_flight
+from lagc.kernels.contact.kept_blocks import keep_blocks, keep_blocks_at_rest
 from lagc.kernels.contact.slips import keep_slip_errors, time_to_stop, turns_fast
 from lagc.kernels.contact.touching import forget_forces, put_on_constraints, rates_at
 from lagc.kernels.events.contact_events import pass_event
+from lagc.kernels.events.departures import end_departures, find_departures, leaves_event_unresolved
 from lagc.kernels.events.location import (
     LEAST_SLACK,
     MOST_SLACK,
@@ -57,6 +59,7 @@ LEAST_ATTEMPT = 16.0  # least size of a first attempt, in units in the last plac
 NEWTON_TOLERANCE = 0.03  # error of the stages over that of a step, at most
 FIXED_STEP_TOLERANCE = by_type(1e-5, 1e-11, "1e-27")  # relative error of the stages of a fixed step
 LOOSENING = 0.1  # tolerance of the estimated error over that of a step at a tolerance of 1
+DEPARTURE = 2.0  # of what leaves zero after an event, over that tolerance
 LOOSER = 0.1875  # and the power of the tolerance by which that grows
 MOST_STOPS = 8  # Newton iterations of the time at which a slip in space stops
 LARGE_ERROR = 100.0  # error of a step that says little about the right step size
@@ -84,6 +87,11 @@ def finish_step(p: Params, s: State, t: Real, o: Options, leaves_end_rate: bool,
     return rates_at(p, t, s.x_new, s.k[end_rate_row(o.method)], w.lam, w)
 
 
+def loosening(o: Options) -> Real:
+    """Return the tolerance of the error that an implicit step estimates, over that of the option."""
+    return LOOSENING / rational_power(o.rtol, LOOSER) if o.rtol > 0.0 else 1.0
+
+
 def prepare_newton(s: State, o: Options, h: Real, w: Work) -> None:
     """Set the weights and the tolerance of the Newton method of an implicit step. The error that it estimates
     is of order 3, and that of its steps of order 5: a power of the tolerance makes that proportional to
@@ -106,7 +114,7 @@ def prepare_newton(s: State, o: Options, h: Real, w: Work) -> None:
         # RADAU5 does the same with 0.1 rtol^(2/3), and ends iterations at min(0.03, sqrt(rtol)) (E. Hairer,
         # G. Wanner, Solving Ordinary Differential Equations II, 1996, IV.8): the geometric mean of both
         # tolerances, so that the residual of the stages does not spoil the estimate.
-        w.newton.loosening = LOOSENING / rational_power(o.rtol, LOOSER)
+        w.newton.loosening = loosening(o)
         w.newton.tolerance = rational_power(o.rtol * w.newton.loosening, 0.5)
         if w.newton.tolerance > NEWTON_TOLERANCE:
             w.newton.tolerance = NEWTON_TOLERANCE
@@ -249,6 +257,10 @@ def accept_step(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
             s.slips.axes_old[:] = w.contacts.slip_axes
             s.slips.roundoff_old[:] = w.contacts.slip_roundoff
             keep_slip_errors(s, w)
+        if NCON > 0:
+            if NNEWTON > 0:
+                if is_implicit(o.method):
+                    end_departures(s, w)
         s.after_event = False
         s.is_split = a.is_split
         s.event_time_error = TIME_ERROR * o.rtol * fabs(a.h)
@@ -451,12 +463,27 @@ def find_step(p: Params, s: State, t1: Real, goal: Real, o: Options, a: Trial, w
                     return report_culprit(s, status, w)
         if failed(status) and o.step > 0.0:
             return report_culprit(s, status, w)
+        if NCON > 0:
+            if NNEWTON > 0:
+                if not failed(status) and a.error <= 1.0 and leaves_event_unresolved(p, s, o, a, w):
+                    continue
         if NMODE > 0:
             if not failed(status) and a.error <= 1.0 and splits_event_step(s, t1, o, a):
                 s.rejected += 1
                 continue
         if accepts_attempt(p, s, t1, status, o, a, w):
             return OK
+
+
+def prepare_contacts(p: Params, s: State, o: Options, w: Work) -> None:
+    """Prepare the workspace of contacts for the attempts of a step."""
+    implicit = False
+    if NNEWTON > 0:
+        implicit = is_implicit(o.method)
+        if implicit:
+            find_departures(p, s, DEPARTURE * o.rtol * loosening(o), w)
+    keep_blocks(True, w)
+    begin_flight(s.x, implicit, w)
 
 
 def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
@@ -471,7 +498,11 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
     # Contacts or clauses that act at the beginning are reported as a step of length 0.
     if NLEAP > 0:
         changes = s.changes
+    if NCON > 0:
+        keep_blocks_at_rest(True, w)
     status = evaluate_start(p, s, a.direction, w)
+    if NCON > 0:
+        keep_blocks(False, w)
     if failed(status):
         return report_culprit(s, status, w)
     if NLEAP > 0:
@@ -495,7 +526,7 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
         if failed(status):
             return report_culprit(s, status, w)
     if NCON > 0:
-        keep_blocks(True, w)
+        prepare_contacts(p, s, o, w)
     status = find_step(p, s, t1, goal, o, a, w)
     if NCON > 0:
         keep_blocks(False, w)

@@ -29,7 +29,7 @@ _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
     "initial_places", "relations", "timed", "flowing", "driven", "doubtful", "derivatives",
     "part_ends", "part_columns", "written", "conservative", "series", "methods",
-    "scales", "events", "blocks",
+    "scales", "events", "blocks", "enclosed",
 )  # fmt: skip
 _OPTIONAL = (
     "contacts", "late_relations", "loading_rows", "held_rows", "pushed_contacts", "servos", "curved_loads",
@@ -79,7 +79,7 @@ def interface(
         contacts=_contacts(equations, int(work)),
         blocks=_blocks(equations, bool(loads.get("loading_rows") or loads.get("pushed_contacts"))),
         **_of_equations(equations),
-        **_of_functions(functions, slopes),
+        **_of_functions(functions, slopes, len(equations.q) + len(equations.v)),
         **_of_discretes(model),
         **_of_relations(relations),
         **loads,
@@ -177,8 +177,15 @@ def _of_equations(equations: EquationsOfMotion) -> dict[str, Any]:
     }
 
 
-def _of_functions(functions: Mapping[str, Function], slopes: Slopes) -> dict[str, Any]:
-    """Return what the functions and the derivatives of the initial equations tell of themselves."""
+def _enclosed(functions: Iterable[Function], moved: int) -> tuple[int, ...]:
+    """Return the states of (q, v) whose ends in a box of time and these functions read."""
+    read = {o.payload for f in functions if "box" in f.inputs for o in f.operations if o.op == "load"}
+    return tuple([i for i in range(moved) if not read.isdisjoint({("box", 1 + i), ("box", moved + 2 + i)})])
+
+
+def _of_functions(functions: Mapping[str, Function], slopes: Slopes, moved: int) -> dict[str, Any]:
+    """Return what the functions and the derivatives of the initial equations tell of themselves; `moved` are
+    the states (q, v)."""
     # The derivatives of the initial equations as tables: ends of rows and columns of entries. Where sums are
     # shared, also those of the parts.
     bind = functions.get("bind")
@@ -194,6 +201,7 @@ def _of_functions(functions: Mapping[str, Function], slopes: Slopes) -> dict[str
         "prepared": bind.outputs[0][1] if bind else 0,
         "functions": tuple(functions),
         "series": counts(functions),
+        "enclosed": _enclosed(functions.values(), moved),
         "features": dict(functions["features"].outputs)["e"] if "features" in functions else 0,
         "poles": dict(functions["poles"].outputs)["e"] if "poles" in functions else 0,
     }

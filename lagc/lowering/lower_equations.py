@@ -77,9 +77,9 @@ def optimize(
     # Functions that are asked for in addition: derivatives, sensitivities, implicit methods, series.
     factored = solver if equations.rows or equations.contacts or differentiate or sensitive else None
     differentiated = derivatives(whole, relations, directional) if differentiate else None
-    derived = [*(differentiated.functions if differentiated else ()), *(tangents(along) if sensitive else ())]
+    derived = [*(differentiated.functions if differentiated else ()), *(tangents(whole) if sensitive else ())]
     more += _factor_functions(along, solver, False) if derived and solver and not equations.rows else ()
-    more += [*derived, *(implicit(whole) if stiff else ())]
+    more += [*derived, *(implicit(whole) if stiff and not equations.contacts else ())]
     made.update((f.name, preparation.separated(f)) for f in more)
     found, read = preparation.finished(made)
     if expand:

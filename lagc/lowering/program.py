@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from lagc.base.records import dataclass, field, replace
+from lagc.kernels import IMPLICIT
 
 FARTHEST = 1.7e308  # in tables: an end that no number reaches
 
@@ -233,6 +234,7 @@ class Interface:
     discretes: tuple[Field, ...] = ()  # variables that clauses `when` alone change: the last of x
     booleans: tuple[int, ...] = ()  # 1: a truth value, stored as 0 or 1
     features: int = 0  # terms that may be narrow
+    enclosed: tuple[int, ...] = ()  # states of (q, v) that bounds in a box depend on
     contacts: tuple[Contact, ...] = ()  # the last of `discretes` and of `relations`
     blocks: tuple[Block, ...] = ()  # of contacts
     poles: int = 0  # divisors that may come near zero
@@ -300,8 +302,9 @@ class Interface:
 
     @property
     def stiff(self) -> bool:
-        """Whether the functions of implicit methods exist."""
-        return "residual" in self.functions
+        """Whether implicit methods can be carried: their functions exist, or contacts, which need none."""
+        asked = bool(self.contacts) and not set(IMPLICIT).isdisjoint(self.methods)
+        return asked or "residual" in self.functions
 
     @property
     def expands(self) -> bool:

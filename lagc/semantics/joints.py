@@ -153,9 +153,10 @@ class Joint:
 
     def __init__(self, context: Context, entry: Entry):
         source = entry.source
-        assert isinstance(source, tree.Construct) and isinstance(source.value, tree.Call)
-        self.context, self.entry, self.call = context, entry, source.value
+        assert isinstance(source, tree.Construct)
         self.name, self.kind = kind_of(source)
+        assert isinstance(source.value, tree.Call)
+        self.context, self.entry, self.call = context, entry, source.value
         own = tree.Call(self.call.function, plain_arguments(source, self.kind), self.call.span)
         found = match(context, own, self.kind.parameters, self.kind.required, f"`{self.name}`")
         self.written = {p: e for p, e in zip(self.kind.parameters, found) if e is not None}

@@ -165,8 +165,7 @@ def _stiffness(system: System, run: Trajectory, t: float, x: list[float]) -> str
         return ""
     times = fastest / max(own, 1e-300)
     found = f"the motion is too stiff for this method: its fastest component is {times:.1g} times faster"
-    explicit = system.interface.contacts or system.interface.stiff
-    return found if explicit else f"{found}; if that decays, take the method radau5"
+    return found if system.interface.stiff else f"{found}; if that decays, take the method radau5"
 
 
 def _spectral_radius(system: System, run: Trajectory, t: float, x: list[float], rates: list[float]) -> float:

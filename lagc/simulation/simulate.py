@@ -99,7 +99,7 @@ def simulate(
     notes = [*start.notes, *done.notes]
     for k in strange_outputs(system, start.x):
         notes.append(f"output `{system.interface.outputs[k].name}` has no finite initial value")
-    notes += stability_note(trajectory, bool(system.interface.contacts))
+    notes += stability_note(trajectory)
     notes += rest_note(system, trajectory)
     open_reactions: tuple[str, ...] = ()
     if result.status == "ok" and (trajectory.redundant_rows or _depend(system, trajectory)):
@@ -155,19 +155,16 @@ def rest_note(system: System, run: Trajectory) -> list[str]:
     ]
 
 
-def stability_note(run: Trajectory, contacts: bool) -> list[str]:
-    """A note if stability, and not accuracy, limited the steps of a long run. No implicit method follows
-    contacts."""
+def stability_note(run: Trajectory) -> list[str]:
+    """A note if stability, and not accuracy, limited the steps of a long run."""
     if not (run.steps >= LONG_RUN and run.stiff * TESTED >= LIMITED * run.steps):
         return []
-    implicit = "Take "
-    if not contacts:
-        implicit = "The implicit method radau5 does where that decays (--method radau5); else take "
     return [
         f"stability limited most of the {run.steps} steps, to about {abs(run.t) / run.steps:.1g} s: the "
         "equations are stiff, something decays or rings far faster than the motion. An explicit method takes "
-        f"no longer steps, also with a looser tolerance. {implicit}a softer spring, a larger mass, or a "
-        "constraint in place of a very stiff spring"
+        "no longer steps, also with a looser tolerance. The implicit method radau5 does where that decays "
+        "(--method radau5); else take a softer spring, a larger mass, or a constraint in place of a very "
+        "stiff spring"
     ]
 
 
@@ -283,7 +280,7 @@ def _verified(
     implicit one takes far fewer steps."""
     assert request.accuracy is not None
     given = _terms(system, x, times, request, progress)
-    if stiff is None or request.method is not None or not system.nz or system.interface.contacts:
+    if stiff is None or request.method is not None or not system.nz:
         return system, verified_run(system, **given, method=request.method or DEFAULT_METHOD, long=long), []
     from lagc.simulation.supervision import StabilityLimited, is_limited
 

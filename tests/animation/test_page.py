@@ -271,3 +271,21 @@ def test_friction_is_along_the_plane(tmp_path: Path) -> None:
     assert np.abs(v[shown.t < stop - 1e-6, 0] - slides).max() < 1e-3
     assert np.abs(v[shown.t > stop + 1e-6, 0] - sticks).max() < 1e-3
     assert np.abs(v[:, 1:]).max() < 1e-3
+
+
+def test_friction_of_one_of_two_contacts_is_not_told() -> None:
+    """The force of both on a ladder, along the floor, is mostly the push of the wall."""
+    text = """model L
+      coordinate Length x(start = 1 [m]*cos(1.1)), y(start = 1 [m]*sin(1.1));
+      coordinate Angle phi(start = 1.1);
+      frame F = rotate_z(world, -phi);
+      body ladder = Solid(mass = 8 [kg], inertia = {0, 1, 1}, frame = F, com = {x, y, 0});
+      point A = {x, y, 0} - 1 [m]*F.x;
+      point B = {x, y, 0} + 1 [m]*F.x;
+      constraint wall: A.x >= 0 (friction = 0.1, at = A);
+      constraint floor: B.y >= 0 (friction = 0.1, at = B);
+      Gravity field(direction = {0, -1, 0});
+    end L;
+    """
+    page = page_of(lagc.loads(text).compile(backend="numpy").simulate(0.5))
+    assert {f["name"] for f in page.data["forces"]} == {"weight of ladder", "wall", "floor"}

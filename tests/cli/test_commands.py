@@ -130,6 +130,7 @@ def test_build_writes_files_with_the_values_given(
     assert main(words) == 0
     found = json.loads(capsys.readouterr().out)
     assert {Path(f).name for f in found["files"]} == {f.name for f in folder.iterdir()} == files
+    assert main(words[:-1]) == 0
     assert any("0.9" in f.read_text() for f in folder.iterdir())
 
 
@@ -156,6 +157,7 @@ def test_build_of_nonsense_is_wrong_usage(words: list[str], pendulum: str, capsy
 
 
 def test_every_command_refuses_a_missing_file(capsys: Capture) -> None:
+    assert main(["check"]) == 2
     for name in ("check", "fmt", "explain", "equations", "sim", "build", "linearize"):
         assert main([name, "nofile.lag"]) == 2, name
         captured = capsys.readouterr()

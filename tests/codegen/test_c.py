@@ -95,7 +95,13 @@ def test_text_is_ascii_without_calls_of_other_libraries(name: str) -> None:
         assert not re.search(r"\blagc_|\bLAGC_|\bmalloc|\bprintf|\bstatic (double|int) \w+\s*[;=]", text)
         assert re.findall(r"^#\s*include.*", text, re.M) in (
             ["#include <stddef.h>"],
-            [f'#include "{_header(text)}"', "#include <float.h>", "#include <math.h>"],
+            [
+                f'#include "{_header(text)}"',
+                "#include <float.h>",
+                "#include <math.h>",
+                "#include <stdbool.h>",
+                "#include <string.h>",
+            ],
         )
 
 

@@ -65,7 +65,7 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
         + "".join(runtime.sine_cosine(sine_cosine_kernels([body], "double")))
     )
     source = folder / "made.c"
-    source.write_text("#include <math.h>\n" + types + shared + head + body)
+    source.write_text(DOUBLE.includes + types + shared + head + body)
     subprocess.run(
         ["gcc", *FLAGS, "-shared", "-fPIC", str(source), "-o", str(folder / "made.so"), "-lm"], check=True
     )

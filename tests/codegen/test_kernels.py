@@ -16,9 +16,11 @@ from typing import Any
 import pytest
 
 import lagc.kernels
+from lagc.codegen.kernel_compiler.c_declarations import copies
 from lagc.codegen.kernel_compiler.compiler import Compiler, Definitions, definitions
 from lagc.codegen.kernel_compiler.kernel_syntax import Function, Missing, Outside, clone, module
 from lagc.codegen.kernel_compiler.library import Library, library, sources
+from lagc.codegen.kernel_compiler.real_types import DOUBLE
 from lagc.codegen.kernel_compiler.specialization import FLAGS
 from lagc.codegen.kernel_compiler.type_check import Signature
 from lagc.codegen.python.functions import ARITHMETIC
@@ -60,7 +62,7 @@ REFUSED = {
     "def f(*x: Real) -> Real:\n    return 1.0": "arguments are plain",
     "def f(x: str) -> Real:\n    return 1.0": "str is not a type",
     "def f(x: Vec[3]) -> Real:\n    return 1.0": "Vec[3] is not a type",
-    "@cache\ndef f(x: Real) -> Real:\n    return x": "only decorator",
+    "@cache\ndef f(x: Real) -> Real:\n    return x": "only decorators",
     "async def f() -> None:\n    return": "level of the file",
     "def f(x: Real) -> Real:\n    y, z = x, x\n    return y": "not in the subset",
     "def f(x: Real) -> Real:\n    try:\n        return x\n    except ValueError:\n        return x": "subset",
@@ -222,10 +224,11 @@ def test_c_and_python_mean_the_same(straight: bool, tmp_path: Path) -> None:
     """Random vectors, with zeros, infinities and NaN, through both: to the last bit, and as Python has it."""
     roots, flags = ["scaled", "parted"], {**STRAIGHT, "STRAIGHT": straight}
     use, in_python = (kernels_of(MEANS, language).chosen(roots, flags) for language in ("double", "python"))
-    text = "#include <math.h>\n#include <stddef.h>\n#define LAGC_NX 4\n#define LAGC_NC 1\n"
+    text = DOUBLE.includes + "#include <stddef.h>\n#define LAGC_NX 4\n#define LAGC_NC 1\n"
     text += "#define LAGC_LIMIT 0.5\n#define LAGC_MOST 7\n"
     text += "static const double lagc_weights[] = {1.5, -0.25, 3e-7, 2.0};\n"
-    text += "\n".join(part.text for part in use.functions)
+    kernels_ = "\n".join(part.text for part in use.functions)
+    text += "\n".join([*copies(kernels_), kernels_]).replace("lagc_real", "double")
     text += "double scaled(const double *a, const double *b, double *y, int n)\n"
     text += "{ return lagc_scaled(a, b, y, n); }\n"
     text += "void parted(double x, int k, double *pair);\n"
@@ -309,10 +312,11 @@ def test_records_within_records_mean_the_same(tmp_path: Path) -> None:
     """A name for the record inside, it as an argument, and its members by the whole path are one record."""
     use = kernels_of(NESTED).chosen(["worked"], STRAIGHT)
     assert [part.name for part in use.records] == ["Law", "Shop"]
-    text = "#define LAGC_NX 3\n#include <string.h>\n"
+    text = DOUBLE.includes + "#define LAGC_NX 3\n"
     text += "typedef struct { double forces[3]; int count; double largest; } lagc_law;\n"
     text += "typedef struct { double total; lagc_law law; } lagc_shop;\n"
-    text += "\n".join(part.text for part in use.functions)
+    kernels_ = "\n".join(part.text for part in use.functions)
+    text += "\n".join([*copies(kernels_), kernels_]).replace("lagc_real", "double")
     text += "double worked(const double *x) { lagc_shop s; memset(&s, 0, sizeof s);"
     text += " return lagc_worked(&s, x); }\n"
     (tmp_path / "a.c").write_text(text)

@@ -44,7 +44,8 @@ HARD = (
 
 def printed_c(calls: Iterable[str]) -> str:
     text = "\n".join(runtime.sine_cosine(sine_cosine_kernels(calls, "double"))).replace("lagc_real", "double")
-    return f"#include <math.h>\n#ifdef __clang__\n#pragma STDC FP_CONTRACT OFF\n#endif\n{text}\n"
+    guard = "#ifdef __clang__\n#pragma STDC FP_CONTRACT OFF\n#endif"
+    return f"#include <math.h>\n#include <stdbool.h>\n{guard}\n{text}\n"
 
 
 @cache

@@ -292,11 +292,8 @@ def test_a_start_beyond_a_bound_is_refused_with_its_depth() -> None:
     assert refused.value.faults[0].code == "LAG0624" and "0.25 m" in refused.value.faults[0].message
 
 
-@pytest.mark.parametrize("command", [["sim", "--method", "radau5"], ["sim", "--method", "taylor"]])
-def test_what_does_not_follow_contacts_says_so(
-    command: list[str], capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main([command[0], "bouncing_ball", *command[1:]]) != 0
+def test_what_does_not_follow_contacts_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["sim", "bouncing_ball", "--method", "taylor"]) != 0
     assert "LAG0623" in capsys.readouterr().err
 
 

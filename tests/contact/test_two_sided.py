@@ -342,19 +342,18 @@ end Pin;
     assert _refused(lagc.loads(text)).startswith(expected)
 
 
-@pytest.mark.parametrize("method", ["radau5", "taylor"])
-def test_methods_without_contacts_name_the_friction(method: str) -> None:
+def test_methods_without_contacts_name_the_friction() -> None:
     model = _model("constraint rail: y = 0 (friction = 0.1, slip = der(x));")
     with pytest.raises(Refused, match="the friction of `rail`") as caught:
-        model.compile(backend="numpy").simulate(1.0, method=method)
-    remedy = caught.value.faults[0].remedy
-    assert remedy is not None and ("a load of `reaction(rail)`" in remedy) == (method == "radau5")
+        model.compile(backend="numpy").simulate(1.0, method="taylor")
+    assert caught.value.faults[0].remedy == "take dop853"
 
 
-def test_linear_models_name_the_friction() -> None:
+def test_linear_models_and_sensitivities_name_the_friction() -> None:
     compiled = _model("constraint rail: y = 0 (friction = 0.1, slip = der(x));").compile(backend="numpy")
-    with pytest.raises(Refused, match="the friction of `rail`"):
-        compiled.linearize()
+    for call in (compiled.linearize, lambda: compiled.simulate(sensitivity=["start(x)"])):
+        with pytest.raises(Refused, match="the friction of `rail`"):
+            call()
 
 
 def test_friction_of_a_joint_is_to_be_written_without_its_reaction(capsys: Any) -> None:
@@ -363,9 +362,3 @@ def test_friction_of_a_joint_is_to_be_written_without_its_reaction(capsys: Any) 
     said = capsys.readouterr().err
     assert "linear models do not follow the friction of `pin`" in said and "a smooth load" in said
     assert "reaction" not in said
-
-
-def test_sensitivities_name_the_friction() -> None:
-    compiled = _model("constraint rail: y = 0 (friction = 0.1, slip = der(x));").compile(backend="numpy")
-    with pytest.raises(Refused, match="the friction of `rail`"):
-        compiled.simulate(sensitivity=["start(x)"])

@@ -13,8 +13,9 @@ from lagc.diagnostics.faults import Refused, Source
 from lagc.editor import document as documents
 from lagc.editor.document import Document, errors_of
 from lagc.editor.fixes import fix
-from tests.editor.texts import LIBRARY, PENDULUM, ROOT, damaged, mistyped, text_of
+from tests.editor.texts import LIBRARY, PENDULUM, ROOT, mistyped, text_of
 from tests.rejected.test_rejected import CASES, unmarked, whole
+from tests.syntax.test_extreme_texts import mutated
 
 ROOTS = (str(ROOT / "models"),)
 
@@ -90,6 +91,10 @@ def test_completion_fits_the_place(begun: str, offered: str, not_offered: str) -
     labels = [offer.label for offer in Document("a.lag", text).completions(start + 2 + len(begun))]
     assert set(offered.split()) <= set(labels) and not set(not_offered.split()) & set(labels), labels
     assert len(labels) == len(set(labels))
+
+
+def test_a_text_that_begins_with_a_thing_without_a_name_has_completions() -> None:
+    assert Document("a.lag", "body =").completions(6)
 
 
 def test_arguments_of_an_instance_are_those_of_its_model() -> None:
@@ -237,7 +242,7 @@ def test_of_sixty_mistakes_most_have_a_fix(kind: str, least: int) -> None:
 def test_damaged_texts_have_answers(part: int) -> None:
     numbers = random.Random(part)
     for k in range(70):
-        text = damaged(numbers)
+        text = mutated(text_of(numbers.choice(LIBRARY)), numbers)
         document = Document("a.lag", text)
         found = document.faults
         for offset in (numbers.randint(0, len(text)) for _ in range(4)):

@@ -22,24 +22,11 @@ PENDULUM = """model Pendulum "µ: two bytes, 𝜃: two units of UTF-16"
   scene lab uses gravity;
 end Pendulum;
 """
-PIECES = (
-    "", "(", "}", ";", " end ", '"', "[", "l*", "parameter ", "for i in 1:", "µ", ".", "when x then", "/*",
-)  # fmt: skip
 
 
 @cache
 def text_of(path: Path) -> str:
     return path.read_text(encoding="utf-8")
-
-
-def damaged(numbers: random.Random) -> str:
-    """A text of the library with one to four random replacements."""
-    text = text_of(numbers.choice(LIBRARY))
-    for _ in range(numbers.randint(1, 4)):
-        start = numbers.randrange(len(text))
-        end = min(len(text), start + numbers.choice((0, 1, 3, 20)))
-        text = text[:start] + numbers.choice(PIECES) + text[end:]
-    return text
 
 
 def mistyped(kind: str, numbers: random.Random) -> tuple[Path, str, str] | None:

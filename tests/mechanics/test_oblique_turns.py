@@ -1,17 +1,21 @@
 """Chains of turns about oblique axes, whose vectors are sums of more terms than doubles have digits: what is
-said of them is what is said of short ones."""
+said of them is what is said of short ones. Constraints at the end of a long chain are judged as those of a
+short one."""
 
 from math import cos, sin, sqrt
 
 import pytest
 
 import lagc
+from lagc.compiler.stages import Choice, parse, resolve
+from lagc.diagnostics.faults import Refused, Source
 from lagc.mechanics.analysis.analysis import analyse
+from lagc.mechanics.derive import derive
 from lagc.mechanics.identities.samples import magnitudes
 from lagc.symbolic.graph import Graph, Node
 from tests.reports.models import equations_of
 
-CHAIN = """
+OBLIQUE = """
 model Chain
   structural Integer n = {n};
   coordinate Angle q[n](each start = 0.2 [rad]);
@@ -35,7 +39,7 @@ AGAIN = "constraint again: 2*dot(P[n] - P[0], world.z) = 0.2 [m];"
 @pytest.mark.sample(0, 2)
 @pytest.mark.parametrize("n", [3, 9, 20])
 def test_springs_and_drag_leave_nothing_conserved(n: int) -> None:
-    found = analyse(equations_of(CHAIN.format(n=n, each=SPRING, more=DRAG)))
+    found = analyse(equations_of(OBLIQUE.format(n=n, each=SPRING, more=DRAG)))
     assert found.degrees_of_freedom == n
     assert not found.cyclic and not found.conserved
 
@@ -43,9 +47,9 @@ def test_springs_and_drag_leave_nothing_conserved(n: int) -> None:
 @pytest.mark.full
 @pytest.mark.parametrize("n", [9, 20])
 def test_a_row_at_the_tip_takes_one_freedom(n: int) -> None:
-    found = analyse(equations_of(CHAIN.format(n=n, each=SPRING, more=TIP)))
+    found = analyse(equations_of(OBLIQUE.format(n=n, each=SPRING, more=TIP)))
     assert found.degrees_of_freedom == n - 1 and not found.redundant
-    twice = analyse(equations_of(CHAIN.format(n=n, each=SPRING, more=TIP + AGAIN)))
+    twice = analyse(equations_of(OBLIQUE.format(n=n, each=SPRING, more=TIP + AGAIN)))
     assert twice.degrees_of_freedom == n - 1 and len(twice.redundant) == 1
 
 
@@ -53,7 +57,7 @@ def test_a_row_at_the_tip_takes_one_freedom(n: int) -> None:
 @pytest.mark.parametrize("n", [3, 16])
 def test_a_friction_that_may_drive_is_warned_of(n: int) -> None:
     push = "force air = -0.05 [kg/s]*velocity(b[n-1]) at b[n];"
-    faults = lagc.loads(CHAIN.format(n=n, each="", more=push)).check()
+    faults = lagc.loads(OBLIQUE.format(n=n, each="", more=push)).check()
     assert [fault.code for fault in faults if fault.code != "LAG0429"] == ["LAG0412"]
 
 
@@ -86,3 +90,43 @@ def test_terms_are_as_large_as_their_rounding_tells(turns: int) -> None:
         assert size <= 5.0 * 20.0 * turns
     assert whole[0] == pytest.approx(25.0, rel=1e-13)
     assert abs(none[0]) <= 1e-11 * none[1] and 2.5 <= none[1] <= 25.0 * 40.0 * turns
+
+
+CHAIN = """model M
+structural Integer n = {n};
+parameter Length l(min = 0) = 0.3 [m];
+coordinate Angle a[n](each start = 20 [deg]), b[n](each start = 25 [deg]);
+point P[0] = {{0, 0, 0}};
+for i in 1:n loop
+  point P[i] = P[i-1] + l*{{sin(a[i])*cos(b[i]), sin(a[i])*sin(b[i]), -cos(a[i])}};
+  body m[i] = Particle(mass = 1 [kg], at = P[i]);
+end for;
+coordinate Length s(start = 1 [m]);
+body e = Particle(mass = 1 [kg], at = {{0, 0, s}});
+constraint c: {row};
+end M;"""
+SHORT, LONG = 2, 20
+
+ROWS = {
+    "norm(P[n]) = l": [],
+    "norm(P[n]) = 0": ["LAG0413"],  # wherever it holds
+    "P[n].x^2 = 0": ["LAG0413"],
+    "P[n].x^2*P[n].y = 0": ["LAG0413"],
+    "abs(P[n].x) = 0.5*l + P[n].y": ["LAG0421"],
+    "norm({P[n].x, P[n].y, 0}) = s": [],  # the tip of a cone
+    "norm({P[n].x, P[n].y, l}) = 0.7*P[n].z": [],
+}
+
+
+def faults(n: int, row: str) -> list[str]:
+    model = resolve(parse(Source("m.lag", CHAIN.format(n=n, row=row))), Choice())
+    try:
+        return [fault.code for fault in derive(model).warnings]
+    except Refused as refused:
+        return [fault.code for fault in refused.faults]
+
+
+@pytest.mark.sample(3)
+@pytest.mark.parametrize("row", ROWS)
+def test_rows_of_long_chains_are_judged_as_those_of_short_ones(row: str) -> None:
+    assert faults(SHORT, row) == faults(LONG, row) == ROWS[row]

@@ -25,6 +25,8 @@ CASES = [
     ("a quantity without a type", "LAG0133", "parameter «k» = 3;"),
     ("a quantity without a name", "LAG0133", "output «Energy»;"),
     ("an unknown type", "LAG0203", "parameter «Lenght» k = 1;"),
+    ("an unknown type, in units of what uses it", "LAG0203",
+     "coordinate «Position» u; potential V = 1 [N]*u; dissipation D = 1 [N]/u*der(u)^2;"),
     ("an unknown type in a function", "LAG0203", "function f(«Foo» u) = 2; potential V = f(1)*1 [J];"),
     ("a model that is not there", "LAG0203", "«Pendulum» p;"),
     ("a base that is not there", "LAG0203", "model A extends «Lab»; coordinate Length x; end A;"),
@@ -152,4 +154,8 @@ CASES = [
     ("a kinetic energy of a point", "LAG0221", "point P = {x, 0, 0}; output Energy K = kinetic(«P»);"),
     ("a potential of a body", "LAG0221", "output Energy K = potential(«b»);"),
     ("an array of orientations", "LAG0221", "coordinate Orientation «o[2]»;"),
+    ("a joint that is a number", "LAG0233",
+     "model A body a = Solid(mass = 1, inertia = {1, 1, 1}, com = {0, 0, 1}); joint j = «3»; end A;"),
+    ("a joint without its parentheses", "LAG0233",
+     "model A body a = Solid(mass = 1, inertia = {1, 1, 1}, com = {0, 0, 1}); joint j = «Revolute»; end A;"),
 ]  # fmt: skip

@@ -101,6 +101,27 @@ def test_velocities_are_time_derivatives() -> None:
     )
 
 
+def test_the_angular_velocity_of_euler_angles() -> None:
+    """z-x-z angles: w = psi' z + theta' x' + phi' z''.
+
+    H. Goldstein, *Classical Mechanics*, 3rd ed., 2002, sec. 4.9.
+    """
+    model = read_body(
+        "coordinate Angle psi, theta, phi; frame A = rotate_z(world, psi); frame B = rotate_x(A, theta);"
+        "frame C = rotate(B, B.z, phi);"
+        "body s = Solid(mass = 1, inertia = {1, 1, 1}, frame = C, com = {0, 0, 0});"
+        "output AngularVelocity w = angular_velocity(s);"
+    )
+    psi, theta, phi, dpsi, dtheta, dphi = 0.3, 0.8, -1.1, 0.5, -0.7, 1.9
+    motion = {"psi": psi, "theta": theta, "phi": phi, "der_psi": dpsi, "der_theta": dtheta, "der_phi": dphi}
+    expected = [
+        dtheta * math.cos(psi) + dphi * math.sin(theta) * math.sin(psi),
+        dtheta * math.sin(psi) - dphi * math.sin(theta) * math.cos(psi),
+        dpsi + dphi * math.cos(theta),
+    ]
+    assert [output(model, f"w[{k}]", **motion) for k in (1, 2, 3)] == pytest.approx(expected, rel=1e-14)
+
+
 def test_what_a_body_knows() -> None:
     model = read_body(
         "frame F = rotate_z(world, x/1 [m]);"

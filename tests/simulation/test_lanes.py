@@ -24,7 +24,8 @@ RUNS = 37  # no multiple of a width
 @pytest.mark.full
 def test_models_with_events_or_constraints_have_none(name: str) -> None:
     system = lagc.load(name).compile(backend="c")
-    assert lanes(system._loaded.system("c").model.sources) is None
+    model = system._loaded.system("c").model
+    assert lanes(model.interface, model.sources) is None
 
 
 def runs_of(system: lagc.CompiledModel, request: Request) -> RunsByHand:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
@@ -151,9 +152,32 @@ end M;"""
     assert caught.value.faults[0].code == code and caught.value.faults[0].remedy
 
 
-def test_what_does_not_follow_them_says_so() -> None:
-    model = lagc.loads(HOOP)
-    for asked, code in (({"method": "taylor"}, "LAG0591"), ({"sensitivity": ["mu"]}, "LAG0623")):
-        with pytest.raises(Refused) as caught:
-            model.compile(backend="numpy").simulate(0.1, **asked)
-        assert caught.value.faults[0].code == code
+def test_taylor_series_do_not_follow_them() -> None:
+    with pytest.raises(Refused) as caught:
+        lagc.loads(HOOP).compile(backend="numpy").simulate(0.1, method="taylor")
+    assert caught.value.faults[0].code == "LAG0591"
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_sensitivities_follow_them(backend: str) -> None:
+    """A bead that rubs on a parabola, against central differences of the fourth order."""
+    text = """model Ramp
+      parameter Real mu = 0.2; parameter Length l = 1 [m];
+      coordinate Length x(start = l, rate = 1 [m/s]), y;
+      body b = Particle(mass = 2 [kg], at = {x, y, 0});
+      Gravity field(g = 9.81 [m/s2], direction = {0, -1, 0});
+      constraint ramp: y = -0.5*x^2/(1 [m]);
+      force rub = {-mu*abs(reaction(ramp))*der(x)/(1 [m/s]), 0, 0} at b;
+    end Ramp;"""
+    model = lagc.loads(text).compile(backend=backend)
+    run = model.simulate(0.8, accuracy=1e-9, points=5, sensitivity=["mu", "l"])
+    assert run.status == "ok", run.message
+    for name, value in (("mu", 0.2), ("l", 1.0)):
+        step = 1e-3 * value
+        x = [
+            model.simulate(0.8, accuracy=1e-12, points=5, parameters={name: value + k * step})["x"]
+            for k in (-2, -1, 1, 2)
+        ]
+        slope = (8.0 * (x[2] - x[1]) - (x[3] - x[0])) / (12.0 * step)
+        assert np.allclose(run[f"d(x)/d({name})"], slope, 0.0, 1e-9)

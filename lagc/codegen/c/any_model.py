@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from lagc.codegen.c.header import members
 from lagc.codegen.c.public_functions import POINT, PublicFunction
+from lagc.codegen.kernel_compiler.c_declarations import ignored
 from lagc.lowering.program import Interface
 
 START_WORK = """\
@@ -55,14 +56,14 @@ def functions_without_work(interface: Interface) -> list[PublicFunction]:
         found.append(PublicFunction(
             "dq[NQ] = d[NV]: the speeds are the rates of the coordinates.",
             f"void lagc_displace({POINT}, const lagc_real *d, lagc_real *dq)",
-            "    int i;\n    (void)p;\n    (void)t;\n    (void)x;\n"
+            "    int i;\n    (void)p; (void)t; (void)x;\n"
             "    for (i = 0; i < LAGC_NQ; i++) {\n        dq[i] = d[i];\n    }\n"))  # fmt: skip
     return found
 
 
 def _idle(name: str, why: str, result: str, arguments: str) -> PublicFunction:
     """Return a function that ignores its arguments."""
-    body = "".join(f"    (void){re.split(r'[ *]', given)[-1]};\n" for given in arguments.split(", "))
+    body = f"    {ignored(re.split(r'[ *]', given)[-1] for given in arguments.split(', '))}\n"
     does, end = ("Do nothing", "") if result == "void" else ("Return OK", "    return LAGC_OK;\n")
     return PublicFunction(f"{does}: this model {why}.", f"{result} lagc_{name}({arguments})", body + end)
 

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 
 from lagc.codegen.identifiers import comment
+from lagc.codegen.kernel_compiler.c_declarations import ignored
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.codegen.loop_segments import in_parts
 from lagc.codegen.loops import Forms, Running, loops
@@ -144,8 +145,8 @@ def _definition(name: str, function: Function, body: list[str], more: Mapping[st
     """Return the definition of a function; `more`: further formal parameters by name."""
     code = re.sub(r"/\*.*?\*/", "", "\n".join(body), flags=re.DOTALL)
     words = set(re.findall(r"(?<!->)(?<!\w)[A-Za-z_]\w*", code))
-    unused = [f"(void)({word});" for word in [*_order(function), *(more or ())] if word not in words]
-    lines_ = "".join(f"    {line}\n" for line in [*body, *unused])
+    unused = ignored([word for word in [*_order(function), *(more or ())] if word not in words])
+    lines_ = "".join(f"    {line}\n" for line in [*body, unused] if line)
     formal = ", ".join([parameters(function), *(more or {}).values()])
     return f"static void {name}({formal})\n{{\n{lines_}}}\n"
 

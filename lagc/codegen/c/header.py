@@ -141,7 +141,7 @@ _FREE = {"NFREE": "event indicators that depend on the state"}
 _PREPARED = {"NPREPARED": "numbers that lagc_bind computes from the parameters"}
 _LIMITED = {"NLIMITS": "bounded values computed from parameters"}
 _NEWTON = {
-    "NNEWTON": "unknowns of a stage of an implicit method: q, v, lambda",
+    "NNEWTON": "unknowns of a stage of an implicit method: q, v, lambda without contacts",
     "NLINEAR": "of these the ones of its linear systems",
 }
 _OF_START = {

@@ -10,33 +10,35 @@ that it has alone.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from importlib import import_module
 
-from lagc.codegen.kernel_compiler.library import library
+from lagc.codegen.c.header import members
+from lagc.codegen.kernel_compiler.c_declarations import copies
+from lagc.codegen.kernel_compiler.lanes import LANES, LanePrinter
+from lagc.codegen.kernel_compiler.library import Library, library
+from lagc.codegen.kernel_compiler.parts import Part
 from lagc.codegen.kernel_compiler.real_types import DOUBLE
+from lagc.codegen.sizes import CONSTANT_SIZES, flags_of, sizes_of
+from lagc.lowering.program import Interface
 
 METHOD = "dop853"
 WIDTHS = {8: "avx512f,avx512dq,avx512vl", 4: "avx2"}  # lanes, and what a processor needs
 ONE, TWO = ("sqrt", "exp", "log", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh"), ("pow", "atan2")
 SINES = ("sine_cosine", "sine_cosine_two")
-# Functions of the driver and all that they may call: a model that needs more has no lanes.
+# Kernels of the driver and all that they may call: a model that needs more has no lanes.
 CALLS: dict[str, set[str]] = {
     "step_once": {"evaluate_start", "failed", "report_culprit", "choose_step_size", "fade_roundoff",
                   "find_step", "accept_step"},
     "find_step": {"plans_attempt", "try_step", "failed", "report_culprit", "accepts_attempt",
                   "hides_event"},
-    "finish_step": {"not_finite", "failed", "rhs_at", "end_rate_row"},
+    "finish_step": {"not_finite", "failed", "rhs_at"},
     "rhs_at": {"fn_rhs", "rhs_any_rank", "not_finite"},
-    "fn_rhs": {*SINES, *ONE, *TWO},
 }  # fmt: skip
 
 _VECTORS = """\
 typedef double Wide __attribute__((vector_size(8 * LANES)));
 typedef long long Mask __attribute__((vector_size(8 * LANES)));
-typedef struct {PARAMS} WideParams;
-typedef struct { Wide x_new[NX]; Wide k[14][NX]; long rhs; } WideState;
-typedef struct { Wide weights[NX]; } WideError;
-typedef struct { Wide lam[1]; Wide health[2]; Mask bad; WideError error; } WideWork;
 static inline Wide wide_pick(Mask m, Wide a, Wide b) { return (Wide)(((Mask)a & m) | ((Mask)b & ~m)); }
 """
 _TURN = """\
@@ -87,9 +89,9 @@ static void wide_attempt(LaneRun *const *runs, const double *params, const doubl
         h[n] = run->a.h;
         end[n] = run->a.t_new;
     }
-    w.bad = (Mask)(t - t);
+    w.bad = s.rhs = (Mask)(t - t);
     (void)wide_dop853_stages(&p, t, x, h, &s, &w);
-    (void)wide_rhs_at(&p, end, s.x_new, s.k[12], w.lam, &w);
+    (void)wide_rhs_at(&p, end, s.x_new, s.k[END_RATE], w.lam, &w);
     for (int i = 0; i < NX; i++) {
         w.error.weights[i] = x[i];
     }
@@ -99,7 +101,7 @@ static void wide_attempt(LaneRun *const *runs, const double *params, const doubl
         if (good[n]) {
             for (int i = 0; i < NX; i++) {
                 run->s.x_new[i] = s.x_new[i][n];
-                run->s.k[12][i] = s.k[12][i][n];
+                run->s.k[END_RATE][i] = s.k[END_RATE][i][n];
             }
             set_error_weights(&run->s, o, run->a.h, &run->w);
             for (int i = 0; i < NQ + NV; i++) {
@@ -117,7 +119,7 @@ static void wide_attempt(LaneRun *const *runs, const double *params, const doubl
         /* The other stages serve an estimate of round-off, the test of stiffness, and dense output. */
         const int used = GUARDED(run->a.error > 1.0) || (run->s.stability_due <= TESTED)
             || (times[run->done] < run->a.t_new);
-        for (int j = 1; (j < 12) && used; j++) {
+        for (int j = 1; (j < END_RATE) && used; j++) {
             for (int i = 0; i < NX; i++) {
                 run->s.k[j][i] = s.k[j][i][n];
             }
@@ -142,8 +144,8 @@ typedef struct {
     Status status;
 } LaneRun;
 typedef struct {
-    LaneRun runs[LARGEST];
-    double params[sizeof(Params) / sizeof(double) * LARGEST]; /* a row for each, over the lanes */
+    LaneRun runs[MOST_LANES];
+    double params[sizeof(Params) / sizeof(double) * MOST_LANES]; /* a row for each, over the lanes */
 } LaneRuns;
 """
 _DRIVER = """\
@@ -192,7 +194,7 @@ static void lane_ends_attempt(LaneRun *run, double t1, const Options *o, int goo
     Status status = OK;
     a->leaves_end_rate = good;
     if (good) {
-        run->s.rhs += 11;
+        run->s.rhs += EVALUATIONS;
         status = finish_attempt(&run->p, &run->s, o, a, &run->w);
     } else {
         status = try_step(&run->p, &run->s, o, a, &run->w);
@@ -220,8 +222,8 @@ void NAME_record_runs(const Params *p, const double *x, long count, const Option
     size_t n, double *states, int *statuses, long most, LaneRuns *room)
 {
     const int lanes = NAME_lanes();
-    LaneRun *const runs = room->runs, *active[LARGEST];
-    int good[LARGEST];
+    LaneRun *const runs = room->runs, *active[MOST_LANES];
+    int good[MOST_LANES];
     long next = 0;
     for (int k = 0; k < lanes; k++) {
         runs[k].number = -1;
@@ -278,31 +280,37 @@ void NAME_record_runs(const Params *p, const double *x, long count, const Option
 """
 
 
-def lanes(sources: Mapping[str, str], widths: Mapping[int, str] = WIDTHS) -> dict[str, str] | None:
+def lanes(
+    interface: Interface, sources: Mapping[str, str], widths: Mapping[int, str] = WIDTHS
+) -> dict[str, str] | None:
     """Return the `sources` of a model with a further file, for x86-64, that makes runs in lanes of these
     `widths`; None for a model that has events, constraints, or functions without vectors."""
     # The driver and the rates are those of a smooth model if they call nothing else.
     (name,) = [file.removesuffix(".h") for file in sources if file.endswith(".h")]
-    header, source = sources[f"{name}.h"], sources[f"{name}.c"]
-    rates, stages, error = (
-        _function(source, f) for f in ("fn_rhs", f"{METHOD}_stages", f"{METHOD}_error_sums")
-    )
-    others = any(not _called(_function(source, f)) <= known for f, known in CALLS.items())
-    if not stages or others or re.search(r"\?|\bint\b|\bstatic const\b", _code(rates)):
+    flags = flags_of(interface, False)
+    called = {f: _called(library(DOUBLE.language).part(f, flags)) for f in CALLS}
+    rates = _rates(sources[f"{name}.c"])
+    functions = {*re.findall(r"\b([a-z]\w*)\(", rates)} - {"fn_rhs"}
+    smooth = all(called[f] <= known for f, known in CALLS.items()) and functions <= {*SINES, *ONE, *TWO}
+    if not (flags[METHOD.upper()] and rates and smooth) or re.search(r"\?|\bint\b|\bstatic const\b", rates):
         return None
-    called = _called(rates)
-    # The functions over vectors, for any width: types, sines, functions of C lane by lane, and the rest.
-    params = re.search(rf"typedef struct (\{{[^{{}}]*\}}) {name}_params;", header)
-    assert params is not None
-    parts = [_VECTORS.replace("{PARAMS}", _wide(params[1]))]
-    if called & {*SINES}:
-        near = library(DOUBLE.language).part("sine_cosine_near", {}).text
-        parts += [_without_branches(near.replace("lagc_", "").replace("LAGC_", "")), _TURN]
-    parts += [_each(function, 1 + (function in TWO)) for function in sorted(called & {*ONE, *TWO})]
-    parts += [_wide(rates), _RATES, _wide(stages), _wide(error), _ATTEMPT]
-    guards = "hides_event" in _called(_function(source, "find_step"))
-    text = "\n".join(parts).replace("GUARDED", "1 || " * guards)
-    made = [f'#include "{name}.c"\n#include <string.h>\n', _RUN.replace("LARGEST", str(max(WIDTHS)))]
+    # The functions over vectors, for any width: types, functions of C lane by lane, kernels, rates.
+    kernels = library(LANES)
+    wide = [_each(f, 1 + (f in TWO)) for f in sorted(functions & {*ONE, *TWO})]
+    if functions & {*SINES}:
+        wide += [part.text for part in kernels.chosen(["sine_cosine_near"], flags).functions] + [_TURN]
+    wide += [_wide(rates), _RATES]
+    wide += [kernels.part(f"{METHOD}_{part}", flags).text for part in ("stages", "error_sums")]
+    wide = [*_records(kernels, interface, flags, wide), *copies("".join(wide)), *wide, _ATTEMPT]
+    guards = "hides_event" in called["find_step"]
+    text = _VECTORS + "\n".join(wide).replace("lagc_real", "Wide").replace("lagc_", "wide_")
+    text = text.replace("LAGC_", "")
+    # Constants of the method: the row of the rate at the end of a step, and evaluations before it.
+    tableau = import_module(f"lagc.kernels.integrators.tableaus.{METHOD}")
+    words = {"GUARDED": "1 || " * guards, "END_RATE": tableau.END_RATE, "EVALUATIONS": len(tableau.C) - 1,
+             "MOST_LANES": max(WIDTHS), "GUARD": _GUARD * guards}  # fmt: skip
+    text, run, driver = (_filled(part, words) for part in (text, _RUN, _DRIVER))
+    made = [f'#include "{name}.c"\n', run]
     # Once for each width, with a choice between them when it runs.
     for width, needed in widths.items():
         own = re.sub(r"\b(Wide|Mask|wide)(?=\w*\b)", rf"\g<1>{width}", text).replace("LANES", str(width))
@@ -316,62 +324,52 @@ def lanes(sources: Mapping[str, str], widths: Mapping[int, str] = WIDTHS) -> dic
         "        }"
         for width in widths
     )
-    driver = (
-        _DRIVER.replace("GUARD", _GUARD * guards)
-        .replace("CHOICE", choice)
-        .replace("ATTEMPTS", attempts)
-        .replace("LARGEST", str(max(WIDTHS)))
-    )
-    made.append(driver.replace("NAME", name))
+    made.append(_filled(driver, {"CHOICE": choice, "ATTEMPTS": attempts, "NAME": name}))
     return {**sources, f"{name}_lanes.c": "\n".join(made)}
+
+
+def _filled(text: str, words: Mapping[str, object]) -> str:
+    return re.sub("|".join(words), lambda found: str(words[found[0]]), text)
 
 
 def _has(needed: str) -> str:
     return " && ".join(f'__builtin_cpu_supports("{part}")' for part in needed.split(","))
 
 
-def _function(source: str, name: str) -> str:
-    """Return the definition of a static function; "" if there is none."""
-    found = re.search(rf"^static [\w ]+ {name}\([^()]*\)\n\{{\n.*?^\}}\n", source, re.M | re.S)
-    return found[0] if found else ""
+def _called(part: Part) -> set[str]:
+    """Return the kernels and functions of the model that a kernel calls."""
+    functions = [name for name in part.needs if name.islower()]  # others are constants and records
+    return {*functions, *(name for name in part.names if name.startswith("fn_"))}
 
 
-def _code(text: str) -> str:
-    """Return the body of a function without comments and notes on what is unused."""
-    return re.sub(r"/\*.*?\*/|\(void\)\(\w+\);", "", text.partition("{")[2], flags=re.S)
+def _records(
+    kernels: Library, interface: Interface, flags: Mapping[str, bool], functions: Iterable[str]
+) -> list[str]:
+    """Return the records that functions over vectors use, with the members that they use."""
+    fields = [*members(interface), *([f"prepared[{interface.prepared}]"] if interface.prepared else [])]
+    used = set(re.findall(r"(?:->|\.)([A-Za-z]\w*)", "".join(functions)))
+    sizes = {n: str(max(size, 1)) for n, size in {**CONSTANT_SIZES, **sizes_of(interface)}.items()}
+    printer = LanePrinter(sizes, {})
+    found = [f"typedef struct {{ Wide {', '.join(fields)}; }} WideParams;\n"]
+    for part in kernels.chosen(["State", "Work"], flags).records:
+        own = [printer.declared(tuple(kind), name) for name, kind, *_ in part.members if name in used]
+        own += ["Mask bad"] if part.name == "Work" else []  # lanes without the rates of the scalar function
+        found += [f"typedef struct {{ {'; '.join(own)}; }} Wide{part.name};\n"] if own else []
+    return found
 
 
-def _called(text: str) -> set[str]:
-    return set(re.findall(r"\b([a-z]\w*)\(", re.sub(r"\b(if|while|for) \(", "", _code(text))))
+def _rates(source: str) -> str:
+    """Return the right-hand side as C prints it, without comments and notes on what is unused."""
+    found = re.search(r"^static void fn_rhs\([^()]*\)\n\{\n.*?^\}\n", source, re.M | re.S)
+    return re.sub(r" */\*.*?\*/\n|\(void\)\(?\w+\)?;", "", found[0] if found else "", flags=re.S)
 
 
-def _wide(text: str) -> str:
-    """Return code over vectors: types and functions have other names, and a number alone is spread."""
-    text = re.sub(r"\bdouble\b", "Wide", text)
-    text = re.sub(r"\b(Params|State|Work)\b", r"Wide\1", text)
-    own = (
-        *CALLS["fn_rhs"],
-        "fn_rhs",
-        "rhs_at",
-        "sine_cosine_near",
-        f"{METHOD}_stages",
-        f"{METHOD}_error_sums",
-    )
-    text = re.sub(rf"\b({'|'.join(own)})\(", r"wide_\1(", text)
+def _wide(rates: str) -> str:
+    """Return the right-hand side over vectors: types and functions have other names, and a number alone is
+    spread."""
+    text = re.sub(r"\bParams\b", "WideParams", re.sub(r"\bdouble\b", "Wide", rates))
+    text = re.sub(r"\b([a-z]\w*)\(", r"wide_\1(", text)
     return re.sub(r"(?<=[\w\]] = )(-?\d+\.\d*(?:e[+-]?\d+)?|-?\d+e[+-]?\d+);", r"\1 - (Wide){0};", text)
-
-
-def _without_branches(text: str) -> str:
-    """Return a function whose truth values are masks: choices by bits, and no short circuits."""
-    text = (
-        _wide(text)
-        .replace("int ", "Mask ", 1)
-        .replace("const int ", "const Mask ")
-        .replace("const long ", "const Mask ")
-    )
-    text = re.sub(r"\(long\)(\w+)", r"(Mask)(\1 + ROUNDER)", text)  # its last bits
-    text = re.sub(r"= (.+?) \? (.+?) : (.+?);", r"= wide_pick(\1, \2, \3);", text)
-    return text.replace("&&", "&").replace("||", "|")
 
 
 def _each(name: str, arguments: int) -> str:

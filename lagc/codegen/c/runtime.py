@@ -14,9 +14,9 @@ from lagc.codegen.c.any_model import START_WORK, TABLE, functions_without_work, 
 from lagc.codegen.c.convolution import convolution
 from lagc.codegen.c.public_functions import public_functions
 from lagc.codegen.heading import rates, status_texts, statuses
-from lagc.codegen.kernel_compiler.c_declarations import CDeclarations, block_comment, snake
+from lagc.codegen.kernel_compiler.c_declarations import CDeclarations, block_comment, copies, snake
 from lagc.codegen.kernel_compiler.library import Chosen, Library, library
-from lagc.codegen.kernel_compiler.parts import Part
+from lagc.codegen.kernel_compiler.parts import FUNCTION, Part
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.codegen.python.support.base import Options
 from lagc.codegen.sizes import SPELLED, flags_of, methods_of, sizes_of, tables_of
@@ -32,6 +32,7 @@ EVALUATED = (  # by a process of lagc that does not run the model
     "limits", "measures", "conditions", "outputs", "hold", "seated",
 )  # fmt: skip
 ALWAYS = ("default_params", "bind")  # functions of code that evaluates only
+SHARE = 20  # least length of code over that of its explanation
 READ = ("Options", "State", "Work")  # structs whose members callers read
 PRIVATE = "Private from here on"
 PLAIN = {"Real": "real", "Vec": "real", "Count": "long", "int": "int", "bool": "int", "IVec": "int"}
@@ -158,9 +159,9 @@ class Runtime:
     def definitions(self, header: str) -> list[str]:
         """Return constants, tables and functions for the source, without constants of the header."""
         values, names = tables_of(self.program.interface), self.use.names
-        spelled = " ".join([SPELLED[name] for name in names if name in SPELLED])
-        used = {*names, *re.findall(r"LAGC_(\w+)", spelled)}
-        own = [n for n in self.sizes if n in used and n not in self.public and n not in SPELLED]
+        text = "".join([*(part.text for part in self.use.functions), *(f.body for f in self.functions)])
+        used = set(re.findall(r"LAGC_(\w+)", text)) - self.public
+        own = [name for name in self.sizes if name in used]
         sizes = fill(", ".join(f"LAGC_{n} = {self.sizes[n]}" for n in own), 98, initial_indent="    ",
                      subsequent_indent="    ")  # fmt: skip
         found = [f"enum {{ /* sizes */\n{sizes}\n}};\n" if own else "", _work(self.program)]
@@ -169,6 +170,7 @@ class Runtime:
         found += [text for name, text in self._records().items() if name not in public]
         if "fn_convolve" in names:
             found.append(convolution(self.sizes["NLANE"], self.sizes["NSQUARE"], self.real))
+        found += copies(text)
         found += [_OBSERVE] if "fn_observe" in names else []
         found += [_COPY_STATE] if "fn_copy_state" in names else []
         declared = set(re.findall(r"LAGC_(\w+)", header))
@@ -199,15 +201,14 @@ class Runtime:
 
     def _records(self) -> dict[str, str]:
         """Return the struct of each record; C has no arrays of size 0, so these get size 1."""
-        named = {*self.public, *SPELLED}
-        numbers = {n: str(max(size, 1)) for n, size in self.sizes.items() if size == 0 or n not in named}
+        numbers = {n: str(max(size, 1)) for n, size in self.sizes.items() if not (size and n in self.public)}
         printer = CDeclarations(self.real, {**SPELLED, **numbers})
         found = {}
         for part in self.use.records:
             lines = []
             for name, kind, lead, trail in self._members_in_use(part):
                 lines += [f"    {line}" for line in block_comment("\n".join(lead)).splitlines()]
-                lines += _annotated(f"    {printer.declared(kind, name)};", trail)
+                lines += _annotated(f"    {printer.member(tuple(kind), name)};", trail)
             head, body = block_comment(part.note), "\n".join(lines)
             found[part.name] = f"{head}typedef struct {{\n{body}\n}} lagc_{snake(part.name)};\n"
         return found
@@ -253,14 +254,14 @@ def sine_cosine(use: Chosen) -> list[str]:
 
 def _printed(kernels: Library, constants: Iterable[Part], functions: Iterable[Part]) -> list[str]:
     """Return constants and functions, with the title of each file."""
-    texts = [(tuple(part.place[:2]), _constant(part)) for part in constants if part.kind in NUMBERS]
-    texts += [(tuple(part.place[:2]), part.text) for part in functions]
+    parts = [*(part for part in constants if part.kind in NUMBERS), *functions]
     found = list[str]()
-    for place in sorted({place for place, _ in texts}):
-        title, own = kernels.title(place), [text for where, text in texts if where == place]
-        # A text that is longer than the code tells of a method that this model does not have.
-        note = title.note if len(title.note) < sum(map(len, own)) else ""
-        found += [_section(title.text, note), *own]
+    for place in sorted({tuple(part.place[:2]) for part in parts}):
+        title, own = kernels.title(place), [part for part in parts if tuple(part.place[:2]) == place]
+        # An explanation stands before much code; else it tells of more than this model has.
+        is_apt = SHARE * len(title.note) < sum(len(part.text) for part in own)
+        found += [_section(title.text, title.note * is_apt), *_constants(own)]
+        found += [part.text for part in own if part.kind == FUNCTION]
     return found
 
 
@@ -297,21 +298,22 @@ def _codes(found: Sequence[Part]) -> str:
     return f"{block_comment(fill(head, 98))}enum {{\n{''.join(lines)}}};\n"
 
 
-def _constant(part: Part) -> str:
-    value, note = part.text, part.note
-    if part.kind == "Reals":
-        values = value.split(", ")
-        rows = ",\n    ".join(", ".join(values[k : k + 8]) for k in range(0, len(values), 8))
-        head = f"static const lagc_real lagc_{part.name.lower()}[]"
-        return f"{block_comment(note)}{head} = {{\n    {rows}\n}};\n"
-    text = f"static const lagc_real LAGC_{part.name} = {value};"
-    if part.kind == "int":
-        text = f"static const int LAGC_{part.name} = {value};"
-    if not note:
-        return text + "\n"
-    return (
-        f"{text} /* {note} */\n" if len(text) + len(note) < 92 else f"{block_comment(fill(note, 98))}{text}\n"
-    )
+def _constants(parts: Sequence[Part]) -> list[str]:
+    """Return the declarations of the constants among `parts`, one for each type, and of tables."""
+    found = list[str]()
+    for kind, name in (("Real", "lagc_real"), ("int", "int")):
+        own, lines = [part for part in parts if part.kind == kind], [f"static const {name}"]
+        for part in own:
+            lines += _annotated(
+                f"    LAGC_{part.name} = {part.text}{';' if part is own[-1] else ','}", part.note
+            )
+        found += ["\n".join(lines) + "\n"] if own else []
+    for part in parts:
+        if part.kind == "Reals":
+            rows = fill(part.text, 98, initial_indent="    ", subsequent_indent="    ")
+            head = f"static const lagc_real lagc_{part.name.lower()}[]"
+            found.append(f"{block_comment(part.note)}{head} = {{\n{rows}\n}};\n")
+    return found
 
 
 def _section(title: str, text: str) -> str:

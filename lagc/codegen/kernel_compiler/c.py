@@ -5,38 +5,21 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Mapping, Sequence
+from textwrap import fill
 
 from lagc.codegen.kernel_compiler.c_declarations import (
-    AND,
-    ATOM,
-    BITS,
-    CHOICE,
-    COMPARE,
-    EQUAL,
-    OR,
-    PRODUCT,
-    SHIFT,
-    SIGN,
-    SUM,
+    WIDTH,
     CDeclarations,
     block_comment,
+    first_sentence,
     folded,
-    wrapped,
+    ignored,
 )
 from lagc.codegen.kernel_compiler.kernel_syntax import identifier, root
 from lagc.codegen.kernel_compiler.real_types import Arithmetic
-from lagc.codegen.kernel_compiler.type_check import (
-    MADE,
-    PAIR,
-    REAL,
-    SCALARS,
-    STATUS,
-    VOID,
-    WHOLE,
-    Type,
-    Types,
-)
+from lagc.codegen.kernel_compiler.type_check import BOOL, MADE, PAIR, REAL, SCALARS, VOID, WHOLE, Type, Types
 
+CHOICE, OR, AND, BITS, EQUAL, COMPARE, SHIFT, SUM, PRODUCT, SIGN, ATOM = range(1, 12)
 _OPERATORS = {
     ast.Add: ("+", SUM), ast.Sub: ("-", SUM), ast.Mult: ("*", PRODUCT), ast.Div: ("/", PRODUCT),
     ast.FloorDiv: ("/", PRODUCT), ast.Mod: ("%", PRODUCT), ast.RShift: (">>", SHIFT), ast.BitAnd: ("&", BITS),
@@ -46,10 +29,10 @@ _OPERATORS = {
 
 
 class CPrinter(CDeclarations):
-    """Prints with `lagc_` and `LAGC_` before each name of the interface.  `constants`: their text."""
+    """Prints with `lagc_` and `LAGC_` before each name of the interface. `constants`: their text."""
 
-    def __init__(self, real: Arithmetic, derived: Mapping[str, str], constants: Mapping[str, str]):
-        super().__init__(real, derived)
+    def __init__(self, real: Arithmetic, numbers: Mapping[str, str], constants: Mapping[str, str]):
+        super().__init__(real, numbers)
         self.constants = constants
 
     def argument(self, kind: Type, name: str, written: bool) -> str:
@@ -63,21 +46,23 @@ class CPrinter(CDeclarations):
         parts = [self.argument(k, n, w) for (n, k), w in zip(types.parameters.items(), types.writes)]
         if types.returns == PAIR:
             parts.append(f"{self.real.name} *pair_")
-        static = "" if types.function.public else "static "
-        return wrapped(f"{static}{self.ctype(types.returns)}lagc_{types.name}(", parts or ["void"])
+        static = "" if types.function.public else "static inline " if types.function.inline else "static "
+        return f"{static}{self.ctype(types.returns)}lagc_{types.name}({', '.join(parts) or 'void'})"
 
     # -- functions --
 
     def function(self, types: Types) -> str:
         self.now, self.places = types, places(types.body)
         lines = [f"    {self.local(name)};" for name in types.locals if self.places[name] is None]
-        unused = [n for n in types.parameters if n not in types.read]
-        lines += [f"    (void){n};" for n in unused]
+        lines += [f"    {ignored(n for n in types.parameters if n not in types.read)}"]
         self.block(types.body, "    ", lines)
-        lead = "" if types.function.public else "".join(f"/* {line} */\n" for line in types.function.lead)
-        doc = "" if types.function.public else block_comment(self.spelled(types.function.doc))
-        body = "\n".join(folded(line) for line in lines)
-        return f"{lead}{doc}{self.head(types)}\n{{\n{body}\n}}\n"
+        if lines[-1:] == ["    return;"]:
+            lines.pop()
+        doc = ""
+        if not types.function.public:  # the header has these
+            doc = block_comment(fill(first_sentence(self.spelled(types.function.doc)), WIDTH))
+        body = "\n".join(folded(line) for line in lines if line.strip())
+        return f"{doc}{self.head(types)}\n{{\n{body}\n}}\n"
 
     def spelled(self, text: str) -> str:
         """Write members of records in comments as in C: w->rank."""
@@ -109,7 +94,8 @@ class CPrinter(CDeclarations):
             case ast.Assign(targets=[ast.Subscript(slice=ast.Slice()) as target], value=value):
                 self.copy(target, value, indent, out)
             case ast.Assign(targets=[target], value=value):
-                out.append(f"{indent}{self.text(target)} = {self.converted(value, target.type)};")  # type: ignore[attr-defined]
+                kind: Type = target.type  # type: ignore[attr-defined]
+                out.append(f"{indent}{self.text(target)} = {self.converted(value, kind)};")
             case ast.AugAssign(target=target, op=op, value=value):
                 sign, kind = _OPERATORS[type(op)][0], target.type  # type: ignore[union-attr]
                 if isinstance(value, ast.Constant) and value.value == 1 and sign in "+-" and kind in WHOLE:
@@ -146,17 +132,26 @@ class CPrinter(CDeclarations):
         kind: Type = node.kind  # type: ignore[attr-defined]
         first, end = ("0", args[0]) if len(args) == 1 else (self.text(args[0]), args[1])
         limit = self.operand(end, None, SHIFT)
-        if any(
-            isinstance(n, ast.Attribute | ast.Call) for n in ast.walk(end)
-        ):  # evaluated once, as in Python
+        if not self.stays(end, node.body):
             first, limit = f"{first}, {i}_end = {self.text(end)}", f"{i}_end"
         test = f"{i} < {limit}"
         if len(args) == 3:
             test = f"{i} >= 0" if limit == "-1" else f"{i} > {limit}"
-        out.append(
-            f"{indent}for ({self.ctype(kind)}{i} = {first}; {test}; {i}{'--' if len(args) == 3 else '++'})"
-        )
+        step = "--" if len(args) == 3 else "++"
+        out.append(f"{indent}for ({self.ctype(kind)}{i} = {first}; {test}; {i}{step})")
         self.braced(node.body, indent, out)
+
+    def stays(self, end: ast.expr, body: Sequence[ast.stmt]) -> bool:
+        """Return whether a loop changes nothing that the end of its range reads: a member of its name, or
+        any by a call."""
+        inside, nodes = list(ast.walk(end)), [n for statement in body for n in ast.walk(statement)]
+        read = {n.attr for n in inside if isinstance(n, ast.Attribute)}
+        stored = {n.attr for n in nodes if isinstance(n, ast.Attribute) and isinstance(n.ctx, ast.Store)}
+        calls = [identifier(n.func) for n in nodes if isinstance(n, ast.Call)]
+        known = self.now.known.signatures
+        acts = any(name in known and any(known[name].writes) for name in calls)
+        plain = not any(isinstance(n, ast.Call | ast.Subscript) for n in inside)
+        return plain and not (read & stored) and not (read and acts)
 
     def braced(self, body: Sequence[ast.stmt], indent: str, out: list[str]) -> None:
         """Print the block after the head that is the last line."""
@@ -173,78 +168,69 @@ class CPrinter(CDeclarations):
             out += [f"{indent}{self.local(name)};"] if declare else []
         elif kind[0] == "Record" and isinstance(value, ast.Call):
             out += [f"{indent}{self.local(name)};"] if declare else []
-            for member, inner in self.now.known.members(kind[1]).items():
-                zero = "0.0" if inner == REAL else "LAGC_OK" if inner == STATUS else "0"
-                out.append(f"{indent}{name}.{member} = {zero};")
+            out.append(f"{indent}(void)memset(&{name}, 0, sizeof {name});")
         else:
             text = self.passed(value, kind)
             out.append(f"{indent}{self.local(name) if declare else name} = {text};")
 
     def copy(self, target: ast.Subscript, value: ast.expr, indent: str, out: list[str]) -> None:
-        # v[a:b] = w, or a part of it, is a loop; parameters are a struct, which C copies; a pair writes
-        # through a pointer.
+        # v[a:b] = w, or a part of it; parameters are a struct, which C copies; a pair writes through a
+        # pointer.
         cut, kind = target.slice, target.value.type  # type: ignore[attr-defined]
         assert isinstance(cut, ast.Slice)
         if kind[0] == "Params":
             out.append(f"{indent}{self.pointed(target.value)} = {self.pointed(value)};")
             return
-        first = self.text(cut.lower) if cut.lower else "0"
+        place = self.text(target.value) + self.offset(cut.lower)
         if getattr(value, "type", VOID) == PAIR:
-            offset = "" if first == "0" else f" + {first}"
-            out.append(f"{indent}{self.text(value)[:-1]}, {self.text(target.value)}{offset});")
+            out.append(f"{indent}{self.text(value)[:-1]}, {place});")
             return
-        end = self.operand(cut.upper, None, SHIFT) if cut.upper else self.size(kind[1])
-        offset = "0"
-        if isinstance(value, ast.Call):
-            offset, value = self.text(value.args[1]), value.args[0]
-        shift = "i_"
-        if offset != first:
-            shift += (
-                f" + {offset}"
-                if first == "0"
-                else f" - {first}"
-                if offset == "0"
-                else f" - {first} + {offset}"
-            )
-        out.append(f"{indent}for (int i_ = {first}; i_ < {end}; i_++) {{")
-        out.append(f"{indent}    {self.text(target.value)}[i_] = {self.text(value)}[{shift}];")
-        out.append(f"{indent}}}")
+        source, offset = value.args[:2] if isinstance(value, ast.Call) else (value, None)
+        count = self.length(cut.lower, cut.upper) if cut.upper else self.size(kind[1])
+        name = "copy_numbers" if kind[0] == "IVec" else "copy"
+        out.append(f"{indent}lagc_{name}({place}, {self.text(source)}{self.offset(offset)}, {count});")
+
+    def offset(self, first: ast.expr | None) -> str:
+        """Return what leads from a vector to its part from `first` on."""
+        if first is None or isinstance(first, ast.Constant):
+            return f" + {first.value}" if first and first.value else ""  # type: ignore[str-bytes-safe]
+        return f" + {self.operand(first, None, SUM)}"
+
+    def length(self, first: ast.expr | None, end: ast.expr) -> str:
+        """Return the length of a part."""
+        if isinstance(end, ast.BinOp) and first and ast.unparse(end.left) == ast.unparse(first):
+            return self.text(end.right)
+        return f"{self.text(end)} - {self.operand(first, None, PRODUCT)}" if first else self.text(end)
 
     def pointed(self, node: ast.expr) -> str:
         """Return the struct of parameters itself, not a pointer."""
-        return (
-            self.text(node) if isinstance(node, ast.Attribute) or self.is_own(node) else f"*{self.text(node)}"
-        )
+        return self.text(node) if self.is_own(node) else f"*{self.text(node)}"
 
     def is_own(self, node: ast.expr) -> bool:
-        """Return whether an expression is a local record or struct of parameters, not a pointer to one."""
-        return isinstance(node, ast.Name) and self.is_held(node.id)
+        """Return whether an expression is a record or struct of parameters itself, not a pointer to one."""
+        return isinstance(node, ast.Attribute) or self.is_held(identifier(node))
 
     def is_held(self, name: str) -> bool:
         return name in self.now.locals and name not in self.now.roots
 
     def passed(self, node: ast.expr, wanted: Type) -> str:
         """Return an argument, or the value of a local: of a record its address."""
-        is_struct = wanted[0] in ("Record", "Params") and (
-            isinstance(node, ast.Attribute) or self.is_own(node)
-        )
+        is_struct = wanted[0] in ("Record", "Params") and self.is_own(node)
         return ("&" if is_struct else "") + self.converted(node, wanted)
 
     def branch(self, node: ast.If, indent: str, out: list[str]) -> None:
         """Print a chain of tests."""
         word, now = indent, node
         while True:
-            trail: str = getattr(now, "trail", "")
-            note = f" /* {trail} */" if trail and word != indent else ""
-            out.append(f"{word}if ({self.condition(now.test)}) {{{note}")
+            out.append(f"{word}if ({self.condition(now.test)}) {{")
             self.block(now.body, indent + "    ", out)
-            other = now.orelse
-            if len(other) == 1 and isinstance(other[0], ast.If) and not getattr(other[0], "lead", ()):
-                word, now = f"{indent}}} else ", other[0]
-                continue
-            if other:
-                out.append(f"{indent}}} else {{")
-                self.block(other, indent + "    ", out)
+            match now.orelse:
+                case [ast.If() as other]:
+                    word, now = f"{indent}}} else ", other
+                    continue
+                case [_, *_] as others:
+                    out.append(f"{indent}}} else {{")
+                    self.block(others, indent + "    ", out)
             out.append(indent + "}")
             return
 
@@ -253,6 +239,8 @@ class CPrinter(CDeclarations):
     def converted(self, node: ast.expr, wanted: Type) -> str:
         """Return an expression where the type `wanted` is expected, with explicit conversion."""
         kind: Type = node.type  # type: ignore[attr-defined]
+        if wanted == BOOL:
+            return self.condition(node)
         if kind == wanted or kind[0] in ("Vec", "IVec", "Mat", "Rows", "Record", "Params", "Cell"):
             return self.text(node)
         return self.operand(node, wanted, 0)
@@ -275,14 +263,14 @@ class CPrinter(CDeclarations):
     def condition(self, node: ast.expr, least: int = 0) -> str:
         """Return a condition, as an operand of an operator that binds as `least`; a number is compared with
         zero (MISRA C 2012, rule 14.4)."""
-        compared = isinstance(node, ast.Compare | ast.BoolOp | ast.UnaryOp | ast.Constant)
-        if compared or (isinstance(node, ast.Call) and identifier(node.func) == "present"):
+        if not self.is_number(node):
             return self.operand(node, None, least)
-        return (
-            f"({self.operand(node, None, EQUAL)} != 0)"
-            if least
-            else f"{self.operand(node, None, EQUAL)} != 0"
-        )
+        text = f"{self.operand(node, None, EQUAL)} != 0"
+        return f"({text})" if least else text
+
+    def is_number(self, node: ast.expr) -> bool:
+        """Return whether a truth value is an int: a member of a record, or an entry."""
+        return isinstance(node, ast.Attribute | ast.Subscript)
 
     def text(self, node: ast.expr) -> str:
         return self.expression(node)[0]
@@ -291,7 +279,7 @@ class CPrinter(CDeclarations):
         # Text and binding strength of each expression: the caller decides on parentheses.
         match node:
             case ast.Constant(value=bool() as value):
-                return str(int(value)), ATOM
+                return str(value).lower(), ATOM
             case ast.Constant(value=int() as value):
                 return str(value), ATOM if value >= 0 else SIGN
             case ast.Constant(value=value):
@@ -300,8 +288,7 @@ class CPrinter(CDeclarations):
             case ast.Name(id=name):
                 return self.name(name)
             case ast.Attribute(value=value, attr=attr):
-                inside = isinstance(value, ast.Attribute) or self.is_own(value)
-                return f"{self.text(value)}{'.' if inside else '->'}{attr}", ATOM
+                return f"{self.text(value)}{'.' if self.is_own(value) else '->'}{attr}", ATOM
             case ast.Subscript(value=value, slice=index):
                 return self.entry(value, index)
             case ast.BinOp(left=left, op=op, right=right):
@@ -309,23 +296,21 @@ class CPrinter(CDeclarations):
                 kind: Type = node.type  # type: ignore[attr-defined]
                 if isinstance(op, ast.BitAnd | ast.RShift):  # compilers warn without parentheses
                     return f"{self.operand(left, kind, ATOM)} {sign} {self.operand(right, kind, ATOM)}", binds
-                return (
-                    f"{self.operand(left, kind, binds)} {sign} {self.operand(right, kind, binds, True)}",
-                    binds,
-                )
+                left_, right_ = self.operand(left, kind, binds), self.operand(right, kind, binds, True)
+                return f"{left_} {sign} {right_}", binds
             case ast.Compare(left=left, ops=[op], comparators=[right]):
                 sign, binds = _OPERATORS[type(op)]
                 kinds = (left.type, right.type)  # type: ignore[attr-defined]
                 common = next((k for k in (REAL, *reversed(WHOLE)) if k in kinds), None)
-                return (
-                    f"{self.operand(left, common, binds)} {sign} {self.operand(right, common, binds)}",
-                    binds,
-                )
+                ends = [self.operand(n, common, binds) for n in (left, right)]
+                return f" {sign} ".join(ends), binds
             case ast.BoolOp(op=op, values=values):
                 sign, binds = ("&&", AND) if isinstance(op, ast.And) else ("||", OR)
                 return f" {sign} ".join(self.condition(v, binds) for v in values), binds
             case ast.UnaryOp(op=ast.Not(), operand=operand):
-                return f"!{self.condition(operand, ATOM)}", SIGN
+                if self.is_number(operand):
+                    return f"{self.text(operand)} == 0", EQUAL
+                return f"!{self.operand(operand, None, ATOM)}", SIGN
             case ast.UnaryOp(operand=operand):
                 return f"-{self.operand(operand, None, ATOM)}", SIGN
             case ast.IfExp(test=test, body=body, orelse=orelse):
@@ -343,22 +328,16 @@ class CPrinter(CDeclarations):
             return self.constants[name], ATOM
         if name in self.now.known.tables:
             return f"lagc_{name}", ATOM
-        return (self.real.infinity, ATOM) if name == "inf" else self.named(name)
+        return self.real.infinity if name == "inf" else self.size(name), ATOM
 
     def entry(self, value: ast.expr, index: ast.expr) -> tuple[str, int]:
         # Rows of a caller are one block; a struct of parameters is read as an array of reals.
         kind: Type = value.type  # type: ignore[attr-defined]
         if kind[0] == "Rows":
-            return (
-                f"({self.text(value)} + ({self.operand(index, None, PRODUCT)} * {self.size(kind[1])}))",
-                ATOM,
-            )
+            row = f"{self.operand(index, None, PRODUCT)} * {self.size(kind[1])}"
+            return f"({self.text(value)} + ({row}))", ATOM
         if kind[0] == "Params":  # all members are reals
-            pointer = (
-                f"&{self.text(value)}"
-                if isinstance(value, ast.Attribute) or self.is_own(value)
-                else self.text(value)
-            )
+            pointer = self.passed(value, kind)
             written = self.now.is_written(root(value))
             return f"(({'' if written else 'const '}{self.real.name} *){pointer})[{self.text(index)}]", ATOM
         return f"{self.text(value)}[{self.text(index)}]", ATOM

@@ -26,8 +26,10 @@ from lagc.codegen.kernel_compiler.kernel_syntax import (
     folder,
     read,
 )
+from lagc.codegen.kernel_compiler.lanes import LANES, LanePrinter
 from lagc.codegen.kernel_compiler.parts import FUNCTION, LIST, RECORD, TITLE, Part
-from lagc.codegen.kernel_compiler.real_types import TYPES
+from lagc.codegen.kernel_compiler.pruning import Pruning, Short, known_values, short
+from lagc.codegen.kernel_compiler.real_types import DOUBLE, TYPES
 from lagc.codegen.kernel_compiler.specialization import Statics, tested
 from lagc.codegen.kernel_compiler.type_check import INT, REAL, STATUS, Known, Signature, Type, Types, parsed
 from lagc.codegen.kernel_compiler.written_arguments import written
@@ -111,6 +113,7 @@ class Definitions:
     constants: dict[str, Type] = field(default_factory=dict)
     lists: dict[str, tuple[str, ...]] = field(default_factory=dict)  # file and kind -> names of constants
     titles: dict[tuple[int, int], tuple[str, str]] = field(default_factory=dict)
+    bodies: dict[str, list[tuple[Mapping[str, bool], list[ast.stmt]]]] = field(default_factory=dict)
 
     def add(self, module: Module, file: int, known: Mapping[str, Any], method: Method | None = None) -> None:
         """Add the definitions of a file, which stand behind those before."""
@@ -246,6 +249,8 @@ class Compiler:
         texts = {n: f"lagc_{n.lower()}" if kind[0] == "Vec" else f"LAGC_{n}"
                  for n, kind in self.known.constants.items()}  # fmt: skip
         self.printer = CPrinter(self.real, SPELLED, texts) if self.real else None
+        if language == LANES:
+            self.real, self.printer = DOUBLE, LanePrinter(SPELLED, texts)
 
     def part(self, name: str, given: Mapping[str, bool]) -> Part:
         """Return a definition for these flags, and the flags that it depends on. Raises KeyError for an
@@ -288,12 +293,40 @@ class Compiler:
         return Part(part.name, RECORD, place, "", part.doc, needs=tuple(dict.fromkeys(inner)),
                     members=tuple([(n, kind, lead, trail) for n, kind, _, lead, trail in there]))  # fmt: skip
 
-    def function(self, name: str, part: Function, definition: Definition, flags: Mapping[str, bool]) -> Part:
+    def body(self, definition: Definition, flags: Noted) -> list[ast.stmt]:
+        """Return the statements of a kernel that are left for these flags."""
+        part, known = definition.part, self.known
+        assert isinstance(part, Function)
+        kept = known.bodies.setdefault(definition.prefix + part.name, [])
+        for asked, found in kept:
+            if all(flags.flags[flag] == value for flag, value in asked.items()):
+                flags.asked.update(asked)
+                return found
+
+        def needs(name: str) -> Short | None:
+            callee = known.named.get(name)
+            if callee is None or not isinstance(callee.part, Function) or not callee.place < definition.place:
+                return None
+            names = tuple([parameter for parameter, _ in callee.part.parameters])
+            return short(names, self.body(callee, own), known.constants)
+
+        own = Noted(flags.flags)
+        pruning = Pruning(needs, lambda name: name in known.signatures and any(known.signatures[name].writes))
+        statics = Statics(part.file, own, known.sizes, definition.known, pruning, definition.prefix,
+                          definition.own)  # fmt: skip
+        found = pruning.finished(statics.block(part.body), part.body)
+        if values := known_values(found):  # once more, with what is known now
+            statics.known = {**statics.known, **values}
+            found = pruning.finished(statics.block(found), part.body)
+        kept.append((own.asked, found))
+        flags.asked.update(own.asked)
+        return found
+
+    def function(self, name: str, part: Function, definition: Definition, flags: Noted) -> Part:
         known = self.known
-        statics = Statics(part.file, flags, known.sizes, definition.known, definition.prefix, definition.own)
         seen = Known(known.signatures, lambda r: Members(known.records[r], flags), known.is_record,
                      known.constants, known.tables, known.sizes)  # fmt: skip
-        types = Types(part, name, statics.block(part.body), seen)
+        types = Types(part, name, self.body(definition, flags), seen)
         unused = set(types.locals) - types.read
         if unused:
             raise types.fail(part.line, f"{name}: {', '.join(sorted(unused))} is never read")

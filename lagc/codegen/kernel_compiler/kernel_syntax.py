@@ -32,6 +32,7 @@ class Function:
     doc: str
     body: list[ast.stmt]
     public: bool
+    inline: bool  # C compilers get this hint
     lead: tuple[str, ...]  # comments before it
 
 
@@ -114,13 +115,13 @@ def _function(file: str, node: ast.FunctionDef) -> Function:
     if node.returns is None or any(arg.annotation is None for arg in a.args):
         raise Outside(file, node, "every argument and the result has a type")
     decorators = [ast.unparse(d) for d in node.decorator_list]
-    if not set(decorators) <= {"public"}:
-        raise Outside(file, node, "the only decorator is @public")
+    if not set(decorators) <= {"public", "inline"}:
+        raise Outside(file, node, "the only decorators are @public and @inline")
     doc = ast.get_docstring(node) or ""
     parameters = tuple((arg.arg, ast.unparse(arg.annotation)) for arg in a.args if arg.annotation)
     return Function(file, node.lineno, node.name, parameters, ast.unparse(node.returns), doc,
                     node.body[1:] if doc else node.body,
-                    bool(decorators), tuple(node.lead))  # type: ignore[attr-defined]  # fmt: skip
+                    "public" in decorators, "inline" in decorators, tuple(node.lead))  # type: ignore[attr-defined]  # fmt: skip
 
 
 def _constant(file: str, node: ast.Assign, name: str) -> Constant:
@@ -230,9 +231,16 @@ def roots(node: ast.expr) -> set[str]:
 
 def targets(body: list[ast.stmt]) -> set[str]:
     """Return the names that statements assign."""
-    return {
-        n.id for s in body for n in ast.walk(s) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
-    }
+    return _names(body, ast.Store)
+
+
+def loaded(body: list[ast.stmt]) -> set[str]:
+    """Return the names that statements read."""
+    return _names(body, ast.Load)
+
+
+def _names(body: list[ast.stmt], how: type[ast.expr_context]) -> set[str]:
+    return {n.id for s in body for n in ast.walk(s) if isinstance(n, ast.Name) and isinstance(n.ctx, how)}
 
 
 def returns(body: list[ast.stmt]) -> bool:

@@ -102,12 +102,23 @@ def _decimal(value: Fraction) -> str:
 
 _DOUBLE = "FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD == 2 || FLT_EVAL_METHOD > 64"
 _SINGLE = "FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 16 && FLT_EVAL_METHOD != 32"
-_HEADERS = ("float.h", "math.h")
+_HEADERS = ("float.h", "math.h", "stdbool.h", "string.h")
 
 DOUBLE = Arithmetic("double", "", "{}", 1, "HUGE_VAL", "NAN", 0.0, inf, _HEADERS, _DOUBLE)
 SINGLE = Arithmetic(
     "float", "f", "{}f", 0, "HUGE_VALF", "NAN", 2.0**-126, 2.0**128 - 2.0**104, _HEADERS, _SINGLE
 )
-QUAD = Arithmetic("__float128", "Q", "{}q", 2, "HUGE_VALQ", 'nanq("")', 0.0, inf, ("quadmath.h",), "")
+QUAD = Arithmetic(
+    "__float128",
+    "Q",
+    "{}q",
+    2,
+    "HUGE_VALQ",
+    'nanq("")',
+    0.0,
+    inf,
+    ("quadmath.h", "stdbool.h", "string.h"),
+    "",
+)
 
 TYPES = {real.language: real for real in (DOUBLE, SINGLE, QUAD)}

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Mapping
+from copy import copy
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeVar
 
 from lagc.codegen.kernel_compiler.kernel_syntax import Outside, clone, exact, identifier
+from lagc.codegen.kernel_compiler.pruning import Pruning
 
 FLAGS = ("STRAIGHT", "HAS_DISPLACE", "COMPLETE")
 # Sizes and kernels that are another one in models without a size: name -> (that size, the other name).
@@ -20,12 +22,8 @@ SAME_WITHOUT = {
     "motion_at": ("NLOADED", "rhs_at"), "put_on_constraints": ("NCON", "project"),
     "pass_event": ("NCON", "handle_event"),
 }  # fmt: skip
-# Kernels that are another one, of fewer arguments: name -> (size, other name, its arguments).
-FEWER_WITHOUT = {
-    "indicators_at": ("NLATE", "fn_indicators_on", 5),
-    "indicator_rates_at": ("NLATE", "fn_indicator_rates_on", 6),
-}
 Flags = Mapping[str, bool]
+N = TypeVar("N", bound=ast.AST)
 
 
 class NotStatic(Exception):
@@ -48,9 +46,9 @@ class Statics:
     kernels `own`, for a file that is printed several times."""
 
     def __init__(self, file: str, flags: Flags, sizes: frozenset[str], known: Mapping[str, Any],
-                 prefix: str = "", own: frozenset[str] = frozenset()):  # fmt: skip
+                 pruning: Pruning, prefix: str = "", own: frozenset[str] = frozenset()):  # fmt: skip
         self.file, self.flags, self.sizes, self.known = file, flags, sizes, known
-        self.prefix, self.own = prefix, own
+        self.pruning, self.prefix, self.own = pruning, prefix, own
 
     def block(self, body: list[ast.stmt]) -> list[ast.stmt]:
         """Return the remaining statements, as copies."""
@@ -65,28 +63,18 @@ class Statics:
     def statement(self, node: ast.stmt) -> list[ast.stmt]:
         if isinstance(node, ast.If):
             return self.branch(node)
-        if (
-            isinstance(node, ast.For)
-            and isinstance(node.iter, ast.Call)
-            and identifier(node.iter.func) == "static"
-        ):
-            if not isinstance(node.target, ast.Name):
-                raise Outside(self.file, node, "a static loop has one name")
-            out = []
-            for value in self.value(node.iter.args[0], node):
-                known = {**self.known, node.target.id: value}
-                inner = Statics(self.file, self.flags, self.sizes, known, self.prefix, self.own)
-                out += inner.block(node.body)
-            return out
-        copy = _bare(node)
-        for name, value in ast.iter_fields(node):
-            if name in ("body", "orelse"):
-                setattr(copy, name, self.block(value))
-            elif isinstance(value, ast.expr):
-                setattr(copy, name, self.expression(value))
-            elif isinstance(value, list) and value and isinstance(value[0], ast.expr):
-                setattr(copy, name, [self.expression(v) for v in value])
-        return [copy]
+        match node:
+            case ast.For(target=ast.Name(id=name), iter=ast.Call(func=ast.Name(id="static"), args=[values])):
+                out = []
+                for value in self.value(values, node):
+                    inner = copy(self)
+                    inner.known = {**self.known, name: value}
+                    out += inner.block(node.body)
+                return out
+        found = self.parts(node)
+        # A call that became a number or nothing, and a loop without a body.
+        is_idle = isinstance(found, ast.Expr) and not isinstance(found.value, ast.Call)
+        return [] if is_idle or (isinstance(found, ast.For) and not found.body) else [found]
 
     def branch(self, node: ast.If) -> list[ast.stmt]:
         # A known test leaves one of its blocks; else both are specialized, and a block that became empty
@@ -94,35 +82,36 @@ class Statics:
         test = self.test(node.test)
         if isinstance(test, bool):
             return self.block(node.body if test else node.orelse)
-        copy = _bare(node)
-        assert isinstance(copy, ast.If)
-        copy.test, copy.body, copy.orelse = test, self.block(node.body), self.block(node.orelse)
-        if not copy.body:
-            if not copy.orelse:
-                return []
-            copy.test, copy.body, copy.orelse = ast.UnaryOp(ast.Not(), test), copy.orelse, []
-            ast.copy_location(copy.test, node.test)
-        return [copy]
+        found = _bare(node)
+        found.test, found.body, found.orelse = test, self.block(node.body), self.block(node.orelse)
+        return self.pruning.choice(found)
 
     def test(self, node: ast.expr) -> ast.expr | bool:
         """Return a condition, or its value if it is known; known operands of `and` and `or` are dropped."""
-        # Known operands of `and` and `or` decide the test or drop out.
-        found = self.flag(node)
-        if found is not None:
-            return found
+        # Known operands of `and` and `or` decide the test or drop out; the only method needs no test.
+        known = self.flag(node)
+        if known is not None:
+            return known
+        if isinstance(node, ast.Call) and identifier(node.func) == "is_method":
+            number, method = node.args
+            if len(self.carried(self.known["METHODS"])) == 1:
+                return True
+            equal = ast.Compare(number, [ast.Eq()], [ast.Attribute(method, "NUMBER", ast.Load())])
+            return self.expression(ast.copy_location(equal, node))
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
             inner = self.test(node.operand)
-            return (
-                not inner
-                if isinstance(inner, bool)
-                else ast.copy_location(ast.UnaryOp(ast.Not(), inner), node)
-            )
+            if isinstance(inner, bool):
+                return not inner
+            return ast.copy_location(ast.UnaryOp(ast.Not(), inner), node)
         if isinstance(node, ast.BoolOp):
-            absorbing, left = isinstance(node.op, ast.Or), []
+            absorbing, left = isinstance(node.op, ast.Or), list[ast.expr]()
             for part in node.values:
                 value = self.test(part)
                 if value is absorbing:
-                    return absorbing
+                    if not any(map(self.pruning.is_acting, left)):
+                        return absorbing
+                    left.append(ast.copy_location(ast.Constant(value), node))
+                    break
                 if not isinstance(value, bool):
                     left.append(value)
             if not left:
@@ -131,7 +120,14 @@ class Statics:
         try:
             return bool(self.static(node))
         except NotStatic:
-            return self.expression(node)
+            pass
+        found = self.expression(node)
+        match found:
+            case ast.Constant(value=bool() as value):
+                return value
+            case ast.Compare(left=ast.Constant(value=a), ops=[op], comparators=[ast.Constant(value=b)]):
+                return bool(_COMPARISONS[type(op)](a, b))
+        return found
 
     def flag(self, node: ast.expr) -> bool | None:
         name = tested(node, self.sizes)
@@ -141,17 +137,14 @@ class Statics:
 
     def expression(self, node: ast.expr) -> ast.expr:
         # Kernels that are another one without some size.
-        if isinstance(node, ast.Call) and identifier(node.func) in FEWER_WITHOUT:
-            flag, other, count = FEWER_WITHOUT[identifier(node.func)]
-            if not self.flags[flag]:
-                function = ast.copy_location(ast.Name(other, ast.Load()), node)
-                plain = ast.Call(function, node.args[:count], [])
-                return self.expression(ast.copy_location(plain, node))
         if isinstance(node, ast.Name) and node.id in SAME_WITHOUT:
             flag, other = SAME_WITHOUT[node.id]
             if not self.flags[flag]:
                 return self.expression(ast.copy_location(ast.Name(other, ast.Load()), node))
         # Then words of tableaus: a known test, a combination, a number, a kernel or constant of a method.
+        if isinstance(node, ast.BoolOp) or (isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not)):
+            test = self.test(node)
+            return ast.copy_location(ast.Constant(test), node) if isinstance(test, bool) else test
         if isinstance(node, ast.IfExp):
             test = self.test(node.test)
             if isinstance(test, bool):
@@ -172,7 +165,8 @@ class Statics:
             kernel = ast.Name(f"{owner.NAME}_{node.attr}", ast.Load())
             return ast.copy_location(kernel, node)
         # Arithmetic of known names is done here and now.
-        elif any(isinstance(n, ast.Name) and n.id in self.known for n in ast.walk(node)):
+        elif any(isinstance(n, ast.Name) and n.id in self.known and isinstance(n.ctx, ast.Load)
+                 for n in ast.walk(node)):  # fmt: skip
             try:
                 value = self.static(node)
             except NotStatic:
@@ -181,14 +175,20 @@ class Statics:
                 if isinstance(value, int | Fraction):
                     return _number(value, node)
         # All else is copied with its parts specialised.
-        copy = _bare(node)
+        found = self.parts(node)
+        return self.pruning.call(found) if isinstance(found, ast.Call) else found
+
+    def parts(self, node: N) -> N:
+        """Return a copy with specialised parts."""
+        found = _bare(node)
         for name, value in ast.iter_fields(node):
-            if isinstance(value, ast.expr):
-                setattr(copy, name, self.expression(value))
+            if name in ("body", "orelse") and isinstance(value, list):
+                setattr(found, name, self.block(value))
+            elif isinstance(value, ast.expr):
+                setattr(found, name, self.expression(value))
             elif isinstance(value, list) and value and isinstance(value[0], ast.expr):
-                setattr(copy, name, [self.expression(v) for v in value])
-        assert isinstance(copy, ast.expr)
-        return copy
+                setattr(found, name, [self.expression(v) for v in value])
+        return found
 
     def combination(self, node: ast.Call) -> ast.expr:
         """Return c_1 * k[0][i] + c_2 * k[1][i] ..., from left to right, without zeros."""
@@ -253,11 +253,11 @@ _ARITHMETIC: dict[type, Any] = {
 }  # fmt: skip
 _COMPARISONS: dict[type, Any] = {
     ast.Eq: lambda a, b: a == b, ast.NotEq: lambda a, b: a != b, ast.Lt: lambda a, b: a < b,
-    ast.Gt: lambda a, b: a > b,
+    ast.Gt: lambda a, b: a > b, ast.LtE: lambda a, b: a <= b, ast.GtE: lambda a, b: a >= b,
 }  # fmt: skip
 
 
-def _bare(node: Any) -> Any:
+def _bare(node: N) -> N:
     """Return a copy that shares the children of the original."""
     found = node.__class__.__new__(node.__class__)
     found.__dict__.update(node.__dict__)

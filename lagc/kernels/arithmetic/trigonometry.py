@@ -148,139 +148,110 @@ def reduce_far(x: Real, rest: Vec[TWO]) -> Real:
     return n
 
 
-def sine_cosine(x: Real) -> Pair:
-    """Return sin x and cos x."""
-    quarters: Count = 0
-    hi = x
-    lo = 0.0
-    z = x * x
-    if x > EIGHTH_TURN or x < -EIGHTH_TURN:
-        xx = z
-        # Subtract n pi/2 in two parts (Cody and Waite); products with the first part are exact.
-        n = (x * QUARTERS_PER_RADIAN + ROUNDER) - ROUNDER
-        above = x - n * FIRST_PART
-        below = n * FIRST_REST
-        hi = above - below
-        lo = (above - hi) - below
-        z = hi * hi
-        # More parts where digits cancel, all of 2/pi for large angles.
-        if not (xx < FAR_SQUARE and z >= NEAR_SQUARE * xx + UNROUNDED_SQUARE and z <= WIDEST_SQUARE):
-            rest = vector(TWO)
-            n = reduce_near(x, rest) if xx < FAR_SQUARE else reduce_far(x, rest)
-            hi = rest[0]
-            lo = rest[1]
-            z = hi * hi
-        quarters = whole(n)
-    elif z == 0.0:
-        return x, 1.0  # zero keeps its sign
+@inline
+def polynomials(hi: Real, lo: Real) -> Pair:
+    """Return the sine and cosine of a remainder hi + lo."""
     # The polynomials at hi, by Estrin's scheme, and lo to first order: sin(hi + lo) = sin hi + lo cos hi.
+    z = hi * hi
     half = 0.5 * z
     rough = 1.0 - half
     zz = z * z
     zzz = z * zz
     p = (SINE_0 + z * (SINE_1 + z * SINE_2)) + zzz * (SINE_3 + z * (SINE_4 + z * SINE_5))
     r = (COSINE_0 + z * (COSINE_1 + z * COSINE_2)) + zzz * (COSINE_3 + z * (COSINE_4 + z * COSINE_5))
-    sine = hi + (z * hi * p + lo * rough)
-    cosine = rough + (((1.0 - rough) - half) + (zz * r - hi * lo))
-    # Turn by the quadrant.
-    if quarters & 1 != 0:
-        if quarters & 2 != 0:
-            return -cosine, sine
-        return cosine, -sine
-    if quarters & 2 != 0:
-        return -sine, -cosine
-    return sine, cosine
+    return hi + (z * hi * p + lo * rough), rough + (((1.0 - rough) - half) + (zz * r - hi * lo))
+
+
+@inline
+def turn(n: Real, sine: Real, cosine: Real) -> Pair:
+    """Return the sine and cosine of an angle that is n pi/2 larger."""
+    quarters = whole(n)
+    s = cosine if quarters & 1 != 0 else sine
+    c = -sine if quarters & 1 != 0 else cosine
+    return -s if quarters & 2 != 0 else s, -c if quarters & 2 != 0 else c
+
+
+@inline
+def reduce(x: Real, rest: Vec[TWO]) -> Real:
+    """Reduce x by the multiple n of pi/2, which is returned, in two parts (Cody and Waite); an angle below an
+    eighth turn is its own remainder. It is valid if `is_reduced`."""
+    n = (x * QUARTERS_PER_RADIAN + ROUNDER) - ROUNDER
+    above = x - n * FIRST_PART  # the product is exact
+    below = n * FIRST_REST
+    rest[0] = above - below
+    rest[1] = (above - rest[0]) - below
+    return n
+
+
+@inline
+def is_reduced(x: Real, hi: Real) -> bool:
+    """Return whether the remainder of an angle above an eighth turn has all digits."""
+    xx = x * x
+    z = hi * hi
+    return xx < FAR_SQUARE and z >= NEAR_SQUARE * xx + UNROUNDED_SQUARE and z <= WIDEST_SQUARE
+
+
+def sine_cosine(x: Real) -> Pair:
+    """Return sin x and cos x."""
+    n = 0.0
+    rest = vector(TWO)
+    rest[0] = x
+    rest[1] = 0.0
+    if x > EIGHTH_TURN or x < -EIGHTH_TURN:
+        n = reduce(x, rest)
+        # More parts where digits cancel, all of 2/pi for large angles.
+        if not is_reduced(x, rest[0]):
+            n = reduce_near(x, rest) if x * x < FAR_SQUARE else reduce_far(x, rest)
+    elif x * x == 0.0:
+        return x, 1.0  # zero keeps its sign
+    pair = vector(TWO)
+    pair[0:2] = polynomials(rest[0], rest[1])
+    pair[0:2] = turn(n, pair[0], pair[1])
+    return pair[0], pair[1]
 
 
 def sine_cosine_two(x: Real, y: Real, pairs: Vec[FOUR]) -> None:
     """Compute sin x, cos x, sin y, cos y with the bits of `sine_cosine`, in loops over both that C
-    compilers vectorize. Two angles that need no reduction are faster one by one; one such angle is its own
-    remainder."""
+    compilers vectorize. Two angles that need no reduction are faster one by one."""
     if fabs(x) <= EIGHTH_TURN and fabs(y) <= EIGHTH_TURN:
         pairs[0:2] = sine_cosine(x)
         pairs[2:4] = sine_cosine(y)
         return
     angle = vector(TWO)
-    xx = vector(TWO)
-    least = vector(TWO)
     n = vector(TWO)
     hi = vector(TWO)
     lo = vector(TWO)
-    z = vector(TWO)
     sine = vector(TWO)
     cosine = vector(TWO)
+    pair = vector(TWO)
     angle[0] = x
     angle[1] = y
-    # Reduce both, as `sine_cosine` does.
     for i in range(2):
-        n[i] = (angle[i] * QUARTERS_PER_RADIAN + ROUNDER) - ROUNDER
-        above = angle[i] - n[i] * FIRST_PART
-        below = n[i] * FIRST_REST
-        hi[i] = above - below
-        lo[i] = (above - hi[i]) - below
-        z[i] = hi[i] * hi[i]
-        xx[i] = angle[i] * angle[i]
-        least[i] = NEAR_SQUARE * xx[i] + UNROUNDED_SQUARE
+        n[i] = reduce(angle[i], pair)
+        hi[i] = pair[0]
+        lo[i] = pair[1]
     # If one of them needs another reduction, both go one by one.
-    if not (
-        z[0] >= least[0]
-        and z[1] >= least[1]
-        and xx[0] < FAR_SQUARE
-        and xx[1] < FAR_SQUARE
-        and z[0] <= WIDEST_SQUARE
-        and z[1] <= WIDEST_SQUARE
-    ):
+    if not (is_reduced(x, hi[0]) and is_reduced(y, hi[1])):
         pairs[0:2] = sine_cosine(x)
         pairs[2:4] = sine_cosine(y)
         return
-    # The polynomials.
     for i in range(2):
-        half = 0.5 * z[i]
-        rough = 1.0 - half
-        zz = z[i] * z[i]
-        zzz = z[i] * zz
-        p = (SINE_0 + z[i] * (SINE_1 + z[i] * SINE_2)) + zzz * (SINE_3 + z[i] * (SINE_4 + z[i] * SINE_5))
-        r = (COSINE_0 + z[i] * (COSINE_1 + z[i] * COSINE_2)) + zzz * (
-            COSINE_3 + z[i] * (COSINE_4 + z[i] * COSINE_5)
-        )
-        sine[i] = hi[i] + (z[i] * hi[i] * p + lo[i] * rough)
-        cosine[i] = rough + (((1.0 - rough) - half) + (zz * r - hi[i] * lo[i]))
-    # Turn by the quadrant.
+        pair[0:2] = polynomials(hi[i], lo[i])
+        sine[i] = pair[0]
+        cosine[i] = pair[1]
     for i in range(2):
-        quarters = whole(n[i])
-        s = cosine[i] if quarters & 1 != 0 else sine[i]
-        c = -sine[i] if quarters & 1 != 0 else cosine[i]
-        pairs[2 * i] = -s if quarters & 2 != 0 else s
-        pairs[2 * i + 1] = -c if quarters & 2 != 0 else c
+        pair[0:2] = turn(n[i], sine[i], cosine[i])
+        pairs[2 * i] = pair[0]
+        pairs[2 * i + 1] = pair[1]
 
 
 def sine_cosine_near(x: Real, pair: Out[TWO]) -> bool:
     """Compute sin x and cos x with the bits of `sine_cosine`, without branches, for vectors of angles. Return
     whether the angle needs no further reduction; else they are not valid."""
-    # An angle of less than an eighth turn is its own remainder.
-    n = (x * QUARTERS_PER_RADIAN + ROUNDER) - ROUNDER
-    above = x - n * FIRST_PART
-    below = n * FIRST_REST
-    hi = above - below
-    lo = (above - hi) - below
-    z = hi * hi
-    xx = x * x
-    # The polynomials; zero keeps its sign.
-    half = 0.5 * z
-    rough = 1.0 - half
-    zz = z * z
-    zzz = z * zz
-    p = (SINE_0 + z * (SINE_1 + z * SINE_2)) + zzz * (SINE_3 + z * (SINE_4 + z * SINE_5))
-    r = (COSINE_0 + z * (COSINE_1 + z * COSINE_2)) + zzz * (COSINE_3 + z * (COSINE_4 + z * COSINE_5))
-    sine = hi + (z * hi * p + lo * rough)
-    sine = x if xx == 0.0 else sine
-    cosine = rough + (((1.0 - rough) - half) + (zz * r - hi * lo))
-    # Turn by the quadrant.
-    quarters = whole(n)
-    s = cosine if quarters & 1 != 0 else sine
-    c = -sine if quarters & 1 != 0 else cosine
-    pair[0] = -s if quarters & 2 != 0 else s
-    pair[1] = -c if quarters & 2 != 0 else c
+    rest = vector(TWO)
+    n = reduce(x, rest)
+    pair[0:2] = polynomials(rest[0], rest[1])
+    sine = x if x * x == 0.0 else pair[0]  # zero keeps its sign
+    pair[0:2] = turn(n, sine, pair[1])
     small = x <= EIGHTH_TURN and x >= -EIGHTH_TURN
-    reduced = xx < FAR_SQUARE and z >= NEAR_SQUARE * xx + UNROUNDED_SQUARE and z <= WIDEST_SQUARE
-    return small or reduced
+    return small or is_reduced(x, rest[0])

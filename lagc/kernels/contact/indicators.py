@@ -92,7 +92,7 @@ def enclose_forces(s: State, w: Work) -> None:
 
 def force_range(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """Add the forces at (t, x) to the ranges of forces."""
-    if find_touching(x, w):
+    if not w.contacts.flies and find_touching(x, w):
         if failed(rates_at(p, t, x, w.contacts.rates, w.contacts.lam, w)):
             for k in range(NMODE - NCON - NSLIP, NMODE):
                 add_sample(k, -UNKNOWN, w)

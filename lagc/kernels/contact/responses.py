@@ -12,8 +12,8 @@ so that W is no longer symmetric.
 from math import fabs
 
 from lagc.kernels.constraints.projection import assemble_at, solve_at
-from lagc.kernels.dynamics.loaded_reactions import eliminate_load, linearize_load, update_load
-from lagc.kernels.dynamics.rhs import assemble_entries, factor_safely
+from lagc.kernels.dynamics.loaded_reactions import follow_loads, keep_load_matrix, update_load
+from lagc.kernels.dynamics.rhs import assemble_entries, factor_safely, store_rates
 from lagc.kernels.language.vocabulary import *
 from lagc.kernels.linear_algebra.cholesky import solve_lower, solve_upper
 
@@ -161,29 +161,6 @@ def add_cancelling(values: Vec[NX], w: Work) -> None:
             values[NQ + j] = response_to_forces(j, block, values[NQ + j], largest, w)
 
 
-def follow_loads(w: Work) -> bool:
-    """Add to a response, w.contacts.solution, that of the loads of its multipliers. Return False, with the
-    constraint equation as w.culprit, if they leave these open."""
-    # (I - C) s = s_response: matrix and sizes are overwritten by the elimination, so they are copied. s are
-    # the multipliers with the loads that they cause.
-    if NLOADED > 0:
-        for k in range(NLOADMATRIX):
-            w.loads.matrix[k] = w.loads.matrix_kept[k]
-            w.loads.sizes[k] = w.loads.sizes_kept[k]
-        for k in range(NLOADED):
-            w.loads.step[k] = w.contacts.solution[NV + loading_row[k]]
-        if eliminate_load(w) == 0.0:
-            return False
-        # Each multiplier adds the response of the loads that follow it.
-        for k in range(NLOADED):
-            for i in range(NR):
-                w.contacts.solution[i] += w.loads.step[k] * w.loads.columns[k * NR + i]
-        # These multipliers are the solution itself: to set them removes the round-off of the sum.
-        for k in range(NLOADED):
-            w.contacts.solution[NV + loading_row[k]] = w.loads.step[k]
-    return True
-
-
 def respond_to_slope(k: int, w: Work) -> None:
     """Compute w.contacts.solution, the response to derivative k of the loads."""
     for i in range(NR):
@@ -206,8 +183,9 @@ def loads_follow(w: Work) -> bool:
                 respond_to_slope(NLOADED + k, w)
         for i in range(NR):
             w.contacts.solution[i] += w.contacts.responses[r * NR + i]
-        if not follow_loads(w):
-            return False
+        if NLOADED > 0:
+            if not follow_loads(w.contacts.solution, w):
+                return False
         for i in range(NR):
             w.contacts.responses[r * NR + i] = w.contacts.solution[i]
         for q in range(law.rows):
@@ -216,15 +194,6 @@ def loads_follow(w: Work) -> bool:
                 total += w.contacts.rows[w.contacts.touching_rows[q] * NV + j] * w.contacts.solution[j]
             law.W[q * law.rows + r] = total
     return True
-
-
-def keep_load_matrix(w: Work) -> None:
-    """Compute the responses to loads of multipliers."""
-    if NLOADED > 0:
-        linearize_load(w)
-        for k in range(NLOADMATRIX):
-            w.loads.matrix_kept[k] = w.loads.matrix[k]
-            w.loads.sizes_kept[k] = w.loads.sizes[k]
 
 
 def set_loads(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
@@ -241,7 +210,8 @@ def set_loads(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
                 own = w.contacts.forces[contact_first[pushed_contact[k - NLOADED]]]
             for i in range(NV):
                 w.loads.rest[i] -= own * w.loads.slopes[k * NV + i]
-    keep_load_matrix(w)
+    if NLOADED > 0:
+        keep_load_matrix(w)
 
 
 def servos_follow(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
@@ -259,7 +229,8 @@ def servos_follow(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
         if not held:
             for i in range(NV):
                 w.loads.slopes[k * NV + i] = 0.0
-    keep_load_matrix(w)
+    if NLOADED > 0:
+        keep_load_matrix(w)
     return loads_follow(w)
 
 
@@ -274,8 +245,9 @@ def move_with_loads(rates: Vec[NX], lam: Vec[NC], w: Work) -> bool:
         solve_motion(w)
     for i in range(NR):
         w.contacts.solution[i] += w.loads.begin[i]
-    if not follow_loads(w):
-        return False
+    if NLOADED > 0:
+        if not follow_loads(w.contacts.solution, w):
+            return False
     for i in range(NV):
         rates[NQ + i] = w.contacts.solution[i]
     for i in range(NC):
@@ -328,3 +300,21 @@ def reactions_agree(lam: Vec[NC], w: Work) -> bool:
             agree = False
     w.contacts.forces[:] = w.loads.pushes
     return agree
+
+
+def store_power(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
+    """Set the rate of the work integral for accelerations, multipliers and forces of contacts."""
+    if NZ > 0:
+        # The work integral follows from the accelerations with contacts. Loads of normal forces do work too.
+        w.a[:] = part(xdot, NQ, NQ + NV)
+        w.qdot[:] = part(xdot, 0, NQ)
+        store_rates(p, t, x, xdot, lam, w)
+        # Power of the contact forces themselves: p . R v, zero but for slips.
+        for i in range(NCON):
+            if w.contacts.touched[i] > 0:
+                block = contact_block[i]
+                for row in range(contact_first[i], contact_first[i] + contact_slips[i] + 1):
+                    for c in range(speed_begin[block], speed_end[block]):
+                        j = block_speed[c]
+                        power = w.contacts.pushes[row] * w.contacts.rows[row * NV + j]
+                        xdot[NQ + NV] += power * x[NQ + j]

@@ -12,7 +12,7 @@ from math import fabs, sqrt
 
 from lagc.kernels.arithmetic.quaternions import normalise
 from lagc.kernels.constraints.projection import project
-from lagc.kernels.contact.kept_blocks import keep_block, recall_blocks
+from lagc.kernels.contact.kept_blocks import keep_block, recall_blocks, recall_rates
 from lagc.kernels.contact.law import CONTACT_SLIPS, CONTACT_STICKS, shares_force, solve_frozen
 from lagc.kernels.contact.modes import LAW_FOUND, LAW_NONE, set_law
 from lagc.kernels.contact.normal_forces import set_normals_given, solve_touching
@@ -29,10 +29,11 @@ from lagc.kernels.contact.responses import (
     set_delassus,
     set_loads,
     set_responses,
+    store_power,
 )
 from lagc.kernels.contact.shares import AT_BOUND, share_load
 from lagc.kernels.dynamics.loaded_reactions import MOST_LOAD_STEPS, motion_at
-from lagc.kernels.dynamics.rhs import rhs_at, store_rates
+from lagc.kernels.dynamics.rhs import rhs_at
 from lagc.kernels.events.sampled_indicators import add_sample, forget_samples
 from lagc.kernels.language.vocabulary import *
 
@@ -42,6 +43,9 @@ MOST_SEATINGS = 4  # Newton iterations of the gaps of contacts that touch
 def find_touching(x: Vec[NX], w: Work) -> bool:
     """Set w.contacts.touched and w.contacts.modes by the modes in x, which may be perturbed by round-off.
     Return whether any contact touches."""
+    # In flight they are those of the beginning of the step.
+    if w.contacts.flies:
+        return w.contacts.touches
     found = False
     for i in range(NCON):
         # Modes are exactly -1, 0, 1 or 2; thresholds between them allow for perturbations of x, by which
@@ -284,24 +288,6 @@ def sample_forces(w: Work) -> None:
                     add_sample(slip_relation(i), w.contacts.cone_margins[i], w)
 
 
-def store_power(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
-    """Set the rate of the work integral for accelerations, multipliers and forces of contacts."""
-    if NZ > 0:
-        # The work integral follows from the accelerations with contacts. Loads of normal forces do work too.
-        w.a[:] = part(xdot, NQ, NQ + NV)
-        w.qdot[:] = part(xdot, 0, NQ)
-        store_rates(p, t, x, xdot, lam, w)
-        # Power of the contact forces themselves: p . R v, zero but for slips.
-        for i in range(NCON):
-            if w.contacts.touched[i] > 0:
-                block = contact_block[i]
-                for row in range(contact_first[i], contact_first[i] + contact_slips[i] + 1):
-                    for c in range(speed_begin[block], speed_end[block]):
-                        j = block_speed[c]
-                        power = w.contacts.pushes[row] * w.contacts.rows[row * NV + j]
-                        xdot[NQ + NV] += power * x[NQ + j]
-
-
 def open_push(w: Work) -> int:
     """Return a listed contact whose normal force loads depend on and other contacts share; -1 without."""
     for n in range(w.contacts.law.count):
@@ -429,6 +415,17 @@ def solve_blocks(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w:
 
 def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
     """Compute xdot and lam at (t, x) with the contacts that touch by the modes in x, and their forces."""
+    # In flight the forces are those of blocks at rest.
+    if w.contacts.flies:
+        if NLOADED > 0:
+            return moves_freely(p, t, x, xdot, lam, w)
+        if not w.contacts.touches:
+            return rhs_at(p, t, x, xdot, lam, w)
+        status = rhs_at(p, t, x, xdot, lam, w)
+        for n in range(w.contacts.constant_count):
+            recall_rates(w.contacts.constant[n], xdot, lam, w)
+        store_power(p, t, x, xdot, lam, w)
+        return status
     # Forces of open contacts are zero, also where this evaluation ends early.
     for r in range(NCROW):
         w.contacts.forces[r] = 0.0
@@ -452,7 +449,8 @@ def rates_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wor
 
 def forget_forces(w: Work) -> None:
     """Begin the ranges of forces, and of the friction that is left, anew."""
-    forget_samples(NMODE - NCON - NSLIP, NMODE, w)
+    if not w.contacts.flies:
+        forget_samples(NMODE - NCON - NSLIP, NMODE, w)
 
 
 def displace_contacts(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
@@ -560,11 +558,13 @@ def close(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
 def put_on_constraints(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> Status:
     """Project x onto the constraints and onto the contacts that touch by the modes in x."""
     status = project(p, t, x, sizes, w)
-    if failed(status) or not find_touching(x, w):
+    if failed(status) or w.contacts.flies or not find_touching(x, w):
         return status
+    # Blocks do not move each other's gaps: those of all are known at once.
+    set_gaps(p, t, x, w)
     for block in range(NBLOCK):
         list_blocks(block, block + 1, False, w)
-        if w.contacts.law.count > 0:
+        if not are_seated(w):
             status = seat(p, t, x, w)
             if failed(status):
                 return status

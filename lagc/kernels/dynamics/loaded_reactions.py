@@ -128,6 +128,36 @@ def eliminate_load(w: Work) -> Real:
     return sign
 
 
+def keep_load_matrix(w: Work) -> None:
+    """Compute the responses to w.loads.slopes, for `follow_loads`."""
+    linearize_load(w)
+    for k in range(NLOADMATRIX):
+        w.loads.matrix_kept[k] = w.loads.matrix[k]
+        w.loads.sizes_kept[k] = w.loads.sizes[k]
+
+
+def follow_loads(solution: Vec[NR], w: Work) -> bool:
+    """Add to a response, accelerations and multipliers, that of the loads of its multipliers. Return False,
+    with the constraint equation as w.culprit, if they leave these open."""
+    # (I - C) s = s_response: matrix and sizes are overwritten by the elimination, so they are copied. s are
+    # the multipliers with the loads that they cause.
+    for k in range(NLOADMATRIX):
+        w.loads.matrix[k] = w.loads.matrix_kept[k]
+        w.loads.sizes[k] = w.loads.sizes_kept[k]
+    for k in range(NLOADED):
+        w.loads.step[k] = solution[NV + loading_row[k]]
+    if eliminate_load(w) == 0.0:
+        return False
+    # Each multiplier adds the response of the loads that follow it.
+    for k in range(NLOADED):
+        for i in range(NR):
+            solution[i] += w.loads.step[k] * w.loads.columns[k * NR + i]
+    # These multipliers are the solution itself: to set them removes the round-off of the sum.
+    for k in range(NLOADED):
+        solution[NV + loading_row[k]] = w.loads.step[k]
+    return True
+
+
 def load_orientation(p: Params, t: Real, x: Vec[NX], factor: Real, lam: Vec[NC], w: Work) -> Real:
     """Return the sign of the determinant of 1 - dmu/dlam at factor lam, or 0."""
     # Determinants are compared at lam and -lam: different signs there mean that some right-hand side has no

@@ -3,7 +3,7 @@
 The slack of their indicators is the round-off by which these may be beyond zero where a step begins.
 """
 
-from lagc.kernels.contact.kept_blocks import keep_blocks
+from lagc.kernels.contact.kept_blocks import keep_blocks, keep_blocks_at_rest
 from lagc.kernels.contact.settle import bounds_jump, settle, settle_jump
 from lagc.kernels.contact.slips import REACHES, RELEASES, SLIDES, STOPS, TURNS, reach_of
 from lagc.kernels.contact.touching import find_touching, rates_at, set_gaps, slip_along, slip_relation
@@ -65,6 +65,17 @@ def contacts_chatter(s: State) -> bool:
     return s.changes_at_time > MOST_CHANGES + 2 * NMODE
 
 
+def unresolved(i: int, margin: Real, s: State, w: Work) -> Real:
+    """Return more slack for a force that is not yet zero where an implicit step was to end at its zero, and
+    whose zero is nearer than round-off of the time: twice as much each time."""
+    if not (w.settling.hit[i] > 0 and margin > 0.0 and s.changes_at_time > 1):
+        return 0.0
+    slack = margin
+    for turn in range(s.changes_at_time):
+        slack *= 2.0
+    return slack
+
+
 def set_force_slack(s: State, w: Work) -> None:
     """Set the slack of contacts that touch: of their forces, and of friction that they could still bear."""
     # Normal force: its round-off. A force that is slightly beyond gets twice that as slack. The margin of
@@ -73,11 +84,15 @@ def set_force_slack(s: State, w: Work) -> None:
         if w.contacts.touched[i] > 0:
             margin = w.contacts.force_margins[i]
             s.slack[NMODE - NCON + i] = w.contacts.force_roundoff[i] - (2.0 * margin if margin < 0.0 else 0.0)
+            if NNEWTON > 0:
+                s.slack[NMODE - NCON + i] += unresolved(i, margin, s, w)
             if NSLIP > 0:
                 if w.contacts.modes[i] == 2:
                     margin = w.contacts.cone_margins[i]
                     least = w.contacts.cone_roundoff[i]
                     s.slack[slip_relation(i)] = least - (2.0 * margin if margin < 0.0 else 0.0)
+                    if NNEWTON > 0:
+                        s.slack[slip_relation(i)] += unresolved(i, margin, s, w)
 
 
 def set_contact_slack(p: Params, s: State, w: Work) -> None:
@@ -203,7 +218,7 @@ def pass_relations(p: Params, s: State, direction: Real, w: Work) -> Status:
 
 def pass_event(p: Params, s: State, direction: Real, w: Work) -> Status:
     """Do what happens where relations or contacts in w.events.crossed cross, at (s.t, s.x)."""
-    keep_blocks(False, w)
+    keep_blocks_at_rest(True, w)
     w.settling.has_acted = False
     w.settling.modes_before[:] = s.modes
     if NWHEN > 0:
@@ -219,6 +234,7 @@ def pass_event(p: Params, s: State, direction: Real, w: Work) -> Status:
             restore_state(s, w)
         else:
             record_crossing_times(s, w)
+    keep_blocks(False, w)
     return status
 
 

@@ -25,7 +25,7 @@ from lagc.kernels.integrators.dispatch import (
     end_rate_row,
     method_dense_at,
     method_dense_output,
-    method_stage_deviations,
+    method_stage_deviation,
     method_watched_at,
 )
 from lagc.kernels.language.vocabulary import *
@@ -38,6 +38,7 @@ NARROWEST_PART = 1e-9  # length below which two crossings are not told apart
 MOST_SHORT_PARTS = 64  # shorter parts in one step, which may stay beside a crossing
 LEAST_SLACK = 2.0  # slack over the distance beyond a crossing by round-off; it doubles in each repetition
 MOST_SLACK = 4096.0  # up to this; then the crossing is taken for a true one
+GROWTH_OF_SHORT = 8.0  # from such a part to the next one, behind a beginning at zero
 SLACK_GROWTH = 8.0  # units in the last place
 
 
@@ -54,14 +55,14 @@ def enclose_state(i: int, low: Real, high: Real, more: Real, w: Work) -> None:
 
 
 def enclose_step(s: State, method: int, a: Trial, w: Work) -> None:
-    """Set w.search.box to an estimate of the range of the step from s.x to s.x_new. It is the hull of the
-    control points of the cubic through both ends, widened by a quarter and by |h| times the largest deviation
-    of a stage from this cubic."""
+    """Set w.search.box to an estimate of the range of the step from s.x to s.x_new, of the states that bounds
+    depend on. It is the hull of the control points of the cubic through both ends, widened by a quarter and
+    by |h| times the largest deviation of a stage from this cubic."""
     # The cubic x(c) with x, h x' of both ends lies in the hull of its Bezier control points x0, x0 + h x0' /
     # 3, x1 - h x1' / 3, x1.
     enclose_time(s.t, a.t_new, w)
-    method_stage_deviations(method, a.h, s, w.search.x_part_middle)
-    for i in range(NQ + NV):
+    for n in range(NENCLOSED):
+        i = enclosed_state[n]
         low = s.x[i]
         high = low
         for j in range(3):
@@ -77,9 +78,8 @@ def enclose_step(s: State, method: int, a: Trial, w: Work) -> None:
                 high = value
         # Two margins: a quarter of the hull, and the most by which a stage's rate deviates from the cubic's
         # slope, over the step.
-        enclose_state(
-            i, low, high, ENCLOSURE_MARGIN * (high - low) + fabs(a.h) * w.search.x_part_middle[i], w
-        )
+        deviation = fabs(a.h) * method_stage_deviation(method, i, a.h, s)
+        enclose_state(i, low, high, ENCLOSURE_MARGIN * (high - low) + deviation, w)
 
 
 def enclose_part(t: Real, h: Real, left: Real, right: Real, w: Work) -> None:
@@ -171,6 +171,21 @@ def update_all_margins(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Non
     update_margins(p, t, x, s, w)
 
 
+def update_margin_changes(
+    p: Params, s: State, method: int, h: Real, left: Real, right: Real, w: Work
+) -> None:
+    """Compute w.events.margin_changes, what the margins of suspected indicators change over a part of the
+    step."""
+    method_watched_at(method, left, s, w.search.x_part_middle, w)
+    update_margins(p, s.t + left * h, w.search.x_part_middle, s, w)
+    w.events.margin_changes[:] = w.events.margins
+    method_watched_at(method, right, s, w.search.x_part_middle, w)
+    update_margins(p, s.t + right * h, w.search.x_part_middle, s, w)
+    for n in range(w.events.suspects):
+        j = w.events.suspect[n]
+        w.events.margin_changes[j] = fabs(w.events.margin_changes[j] - w.events.margins[j])
+
+
 def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right: Real, w: Work) -> Real:
     """Return the part of the step where the smallest margin changes sign, to one unit in the last place of
     the time and just beyond the crossing, with w.events.crossed. Illinois method (M. Dowell, P. Jarratt, BIT
@@ -182,20 +197,14 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
     # Margins of several indicators are compared by what each changes over the part.
     low = left
     high = right
-    method_watched_at(method, low, s, w.search.x_part_middle, w)
-    update_margins(p, s.t + low * h, w.search.x_part_middle, s, w)
-    w.events.margin_changes[:] = w.events.margins
-    method_watched_at(method, high, s, w.search.x_part_middle, w)
-    update_margins(p, s.t + high * h, w.search.x_part_middle, s, w)
-    for n in range(w.events.suspects):
-        j = w.events.suspect[n]
-        w.events.margin_changes[j] = fabs(w.events.margin_changes[j] - w.events.margins[j])
+    update_margin_changes(p, s, method, h, low, high, w)
     above = smallest_margin(p, s.t + high * h, w.search.x_part_middle, s, w)
     method_watched_at(method, low, s, w.search.x_part_middle, w)
     below = smallest_margin(p, s.t + low * h, w.search.x_part_middle, s, w)
-    # The end that stays halves its value, so that the secant does not keep to one side.
+    # An end that stays for a second time halves its value, so that the secant does not keep to one side.
     least = 2.0 * SPACING * (1.0 + fabs(s.t / h))
     turn = 0
+    stays = 0  # 1: the last turn has replaced `high`, -1: `low`
     while high - low > least:
         # Regula falsi on two of three turns, and never nearer to an end than half of the least distance: so
         # both ends close in.
@@ -214,11 +223,15 @@ def locate_crossing(p: Params, s: State, method: int, h: Real, left: Real, right
         if found < 0.0:
             high = guess
             above = found
-            below *= 0.5
+            if stays > 0:
+                below *= 0.5
+            stays = 1
         else:
             low = guess
             below = found
-            above *= 0.5
+            if stays < 0:
+                above *= 0.5
+            stays = -1
         turn += 1
     # All that are beyond at the end found cross together there.
     method_watched_at(method, high, s, w.search.x_part_middle, w)
@@ -256,10 +269,9 @@ def sample_part(p: Params, s: State, a: Trial, left: Real, right: Real, w: Work)
             force_range(p, s.t + right * a.h, w.search.x_part_end, w)
 
 
-def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
-    """Return the part of the step from s.x to s.x_new after which the first indicator crosses, NO_EVENT,
-    or a negative number if the dense output failed."""
-    # The cheap test on the whole step; nearly all steps end here.
+def suspect_in_step(p: Params, s: State, method: int, a: Trial, w: Work) -> int:
+    """Put the indicators that may cross in the step from s.x to s.x_new first in w.events.suspect; return how
+    many these are."""
     enclose_step(s, method, a, w)
     # Indicators that need a solve are sampled on the cubic of the step.
     if NLATE > 0:
@@ -267,19 +279,27 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
     if NCON > 0:
         force_range(p, s.t, s.x, w)
     suspect_all(w)
-    most = find_suspects(p, s, w)
+    return find_suspects(p, s, w)
+
+
+def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
+    """Return the part of the step from s.x to s.x_new after which the first indicator crosses, NO_EVENT,
+    or a negative number if the dense output failed."""
+    # The cheap test on the whole step; nearly all steps end here.
+    most = suspect_in_step(p, s, method, a, w)
     if most == 0:
         return NO_EVENT
     if failed(trial_dense_output(p, s, method, a, w)):
         return -1.0
-    # Parts of the dense output from left to right: a part that cannot exclude a crossing is halved, one that
-    # does is followed by a longer one: so the first crossing is found. Of several blocks, what a part has
-    # excluded is not looked at within it: up to `narrow` the first of w.events.suspect alone may cross.
+    # Parts of the dense output from left to right: a part that cannot exclude a crossing is halved; one that
+    # does is followed by its other half, and behind that, `fence`, by a longer one. So the first crossing is
+    # found. Of several blocks, what a part has excluded is not looked at within it: up to `narrow`, the end
+    # of the next parts, the first of w.events.suspect alone may cross.
     looked = 0
     left = 0.0
     width = LONGEST_PART
-    if NAPART > 0:
-        narrow = 1.0
+    fence = 0.0
+    narrow = 1.0
     begin_parts(most, s, w)
     while left < 1.0:
         if NAPART > 0:
@@ -287,14 +307,15 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
                 suspect(most, s, w)
                 narrow = 1.0
                 method_watched_at(method, left, s, w.search.x_part_begin, w)
-        right = left + width if left + width < 1.0 else 1.0
+        right = left + width if left + width < narrow else narrow
         enclose_dense_output(s, method, a, left, right, w)
         sample_part(p, s, a, left, right, w)
         found = find_suspects(p, s, w)
         if found == 0:
-            if width < LONGEST_PART:
-                width *= 2.0
+            if width < LONGEST_PART and right >= fence:
+                width *= 2.0 if width >= SHORTEST_PART else GROWTH_OF_SHORT
         elif width > SHORTEST_PART:
+            fence = right
             if NAPART > 0:
                 if found < w.events.suspects:
                     suspect(found, s, w)
@@ -302,13 +323,15 @@ def first_crossing(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
             width *= 0.5
             continue
         # At 1/256 of the step: a crossing is located if an indicator is beyond at the end of the part; else
-        # it may have crossed twice, and a limited number of parts is halved on to 1e-9.
+        # it may have crossed twice, and a limited number of parts is halved on to 1e-9. At the beginning
+        # it is rather a gap that leaves zero: its bounds exclude that in parts of 1e-8, which then grow.
         elif any_crossed(p, s.t + right * a.h, w.search.x_part_end, s, w):
             return locate_crossing(p, s, method, a.h, left, right, w)
         elif looked < MOST_SHORT_PARTS:  # it may be crossed twice
             looked += 1
             if width > NARROWEST_PART:
-                width *= 0.5
+                fence = right if left > 0.0 else 0.0
+                width *= 0.5 if left > 0.0 else 1.0 / GROWTH_OF_SHORT
                 continue
         else:
             width = SHORTEST_PART
@@ -375,7 +398,8 @@ def estimate_indicator_roundoff(p: Params, s: State, reach: Vec[NX], w: Work) ->
     # A box of one unit in the last place about (t, x): its enclosure is what round-off of time and states
     # makes of each indicator.
     enclose_time(s.t - SPACING * fabs(s.t), s.t + SPACING * fabs(s.t), w)
-    for i in range(NQ + NV):
+    for n in range(NENCLOSED):
+        i = enclosed_state[n]
         size = fabs(s.x[i]) if fabs(s.x[i]) > fabs(reach[i]) else fabs(reach[i])
         enclose_state(i, s.x[i], s.x[i], SPACING * size, w)
     fn_enclosure_on(p, w.modes, w.search.box, w.events.enclosures)
@@ -403,8 +427,18 @@ def is_crossing(k: int, direction: Real, w: Work) -> bool:
     return not moves_away(k, direction, w)
 
 
+def has_slack(s: State) -> bool:
+    """Return whether any indicator that depends on the state has slack."""
+    for k in range(NTIMED, NMODE):
+        if s.slack[k] != 0.0:
+            return True
+    return False
+
+
 def release_slack(p: Params, s: State, w: Work) -> None:
     """Set the slack of an indicator to 0 once its margin is several times the slack."""
+    if not has_slack(s):
+        return
     # At the state of the beginning; contacts that touch are not watched by gaps.
     indicators_at(p, s.t, s.x, w.modes, w.events.indicators, s, w)
     if NCON > 0:

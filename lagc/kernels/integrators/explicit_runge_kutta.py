@@ -90,19 +90,19 @@ def error_parts(s: State, w: Work) -> None:
                 w.error.parts[j][i] = combination(ERROR[j], s.k, i)
 
 
-def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:
-    """Compute the largest deviation of the rates at the stages from the slope of the cubic between the
-    ends of the step from s.x to s.x_new."""
+def stage_deviation(i: int, h: Real, s: State) -> Real:
+    """Return the largest deviation of the rate of a state at the stages from the slope of the cubic between
+    the ends of the step from s.x to s.x_new."""
     # Slope of the cubic Hermite interpolant at c: 6 c (1 - c) mean + (1 - c)(1 - 3 c) x0' + c (3 c - 2) x1'.
-    for i in range(NQ + NV):
-        mean = (s.x_new[i] - s.x[i]) / h
-        far[i] = 0.0
-        for j in static(range(1, len(C))):
-            c = number(C[j])
-            slope = 6.0 * c * (1.0 - c) * mean + (1.0 - c) * (1.0 - 3.0 * c) * s.k[0][i]
-            own = fabs(s.k[j][i] - slope - c * (3.0 * c - 2.0) * s.k[len(C)][i])
-            if own > far[i]:
-                far[i] = own
+    mean = (s.x_new[i] - s.x[i]) / h
+    far = 0.0
+    for j in static(range(1, len(C))):
+        c = number(C[j])
+        slope = 6.0 * c * (1.0 - c) * mean + (1.0 - c) * (1.0 - 3.0 * c) * s.k[0][i]
+        own = fabs(s.k[j][i] - slope - c * (3.0 * c - 2.0) * s.k[len(C)][i])
+        if own > far:
+            far = own
+    return far
 
 
 def dense_output(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, w: Work) -> Status:

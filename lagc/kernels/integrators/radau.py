@@ -8,6 +8,7 @@ E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, Springer 1996 
 
 from math import fabs, sqrt
 
+from lagc.kernels.contact.touching import forget_forces, rates_at
 from lagc.kernels.integrators.stage_equations import (
     factor_stages,
     residual_at,
@@ -31,7 +32,7 @@ def start_stages(h: Real, s: State) -> None:
     # it predicts z of this step, less its end value (HW IV.8, in divided differences).
     known = s.newton.kept_step == s.steps
     for j in static(range(len(C))):
-        for i in range(NC):
+        for i in range(NLAM):
             s.newton.stage_lam[j][i] = s.newton.start_lam[i]
         there = 1.0 + number(C[j]) * h / s.h_old if known else 0.0
         for i in range(NINT):
@@ -44,7 +45,7 @@ def start_stages(h: Real, s: State) -> None:
                 value = first + (there - number(C[0])) * slope
                 s.k[1 + j][i] = (there - 1.0) * (s.k[7][i] - there * value)
             # Multipliers have no value at the beginning (index 2): a parabola through three stages.
-            for i in range(NC):
+            for i in range(NLAM):
                 first = (s.newton.kept_lam[1][i] - s.newton.kept_lam[0][i]) / (number(C[1]) - number(C[0]))
                 slope = (s.newton.kept_lam[2][i] - s.newton.kept_lam[1][i]) / (1.0 - number(C[1])) - first
                 slope /= 1.0 - number(C[0])
@@ -52,7 +53,7 @@ def start_stages(h: Real, s: State) -> None:
                 s.newton.stage_lam[j][i] = s.newton.kept_lam[0][i] + (there - number(C[0])) * value
 
 
-def newton_increments(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> None:
+def newton_increments(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
     """Compute the next increments of the stages in w.newton.increments."""
     if NDISC > 0:
         # Discrete variables keep their values within a step.
@@ -65,9 +66,11 @@ def newton_increments(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work
         for i in range(NQ + NV):
             w.newton.x_stage[i] = x[i] + s.k[1 + j][i]
             w.newton.rates_stage[i] = combination(INVERSE[j], s.k, i) / h
-        residual_at(p, t + number(C[j]) * h, s.newton.stage_lam[j], w)
-        if NC > 0:
-            for i in range(NC):
+        status = residual_at(p, t + number(C[j]) * h, s.newton.stage_lam[j], w)
+        if failed(status):
+            return status
+        if NLAM > 0:
+            for i in range(NLAM):
                 if s.newton.dependent[i] == 1:
                     w.newton.residual[NQ + NV + i] = 0.0
         w.newton.stage_residuals[j][:] = w.newton.residual
@@ -94,6 +97,7 @@ def newton_increments(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work
     for j in static(range(len(C))):
         for i in range(NNEWTON):
             w.newton.increments[j][i] = combination(BACK[j], w.newton.stage_residuals, i)
+    return OK
 
 
 def scaled_norm(e: Vec[NNEWTON], w: Work) -> Real:
@@ -117,16 +121,17 @@ def estimate_roundoff(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work
     for turn in range(2):
         w.newton.x_stage[:] = x
         w.newton.rates_stage[:] = s.k[0]
-        for i in range(NC):
+        for i in range(NLAM):
             w.lam[i] = s.newton.start_lam[i]
         if turn == 1:
             w.newton.residual_before[:] = w.newton.residual
             for i in range(NQ + NV):
                 w.newton.x_stage[i] *= 1.0 + FOUR_ULPS if i % 2 == 0 else 1.0 - FOUR_ULPS
                 w.newton.rates_stage[i] *= 1.0 - FOUR_ULPS if i % 2 == 0 else 1.0 + FOUR_ULPS
-            for i in range(NC):
+            for i in range(NLAM):
                 w.lam[i] *= 1.0 + FOUR_ULPS if i % 2 == 0 else 1.0 - FOUR_ULPS
-        residual_at(p, t, w.lam, w)
+        if failed(residual_at(p, t, w.lam, w)):
+            return
     s.rhs += 2
     # The difference, and the round-off of the sums of M a, which the perturbation does not reach.
     for i in range(NNEWTON):
@@ -162,7 +167,7 @@ def add_increments(s: State, x: Vec[NX], w: Work) -> Real:
         for i in range(NQ + NV):
             # Rates grow the sizes too: a state at rest gets its weight from what the stages reach.
             s.k[1 + j][i] += w.newton.increments[j][i]
-        for i in range(NC):
+        for i in range(NLAM):
             s.newton.stage_lam[j][i] += w.newton.increments[j][NQ + NV + i]
     for i in range(NQ + NV):
         s.x_new[i] = x[i] + s.k[len(C)][i]
@@ -179,19 +184,21 @@ def add_increments(s: State, x: Vec[NX], w: Work) -> Real:
     return largest
 
 
-def solve_stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> bool:
-    """Solve the equations of the stages (HW IV.8); return whether that succeeds. Increments that are
-    round-off do not shrink: they end the iteration."""
+def solve_stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
+    """Solve the equations of the stages (HW IV.8). Increments that are round-off do not shrink: they end the
+    iteration."""
     eta = sqrt(s.newton.eta)
     s.newton.eta = eta  # also where one iteration is enough: a ratio from long ago says little (HW IV.8)
     before = 0.0
     ratio_before = 1.0
     for n in range(w.newton.most):
         # `eta` estimates the sum of the increments that follow over the last one, theta / (1 - theta).
-        newton_increments(p, t, x, h, s, w)
+        status = newton_increments(p, t, x, h, s, w)
+        if failed(status):
+            return status
         now = add_increments(s, x, w)
         if not now <= LARGEST:
-            return False
+            return NOT_CONVERGED
         s.newton.count = n + 1
         if before > 0.0:
             ratio = now / before
@@ -208,22 +215,38 @@ def solve_stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> 
             if (theta >= DIVERGENT or left > w.newton.tolerance) and (n > 1 or theta > MOST_GROWN):
                 if not are_roundoff(h, w):
                     estimate_roundoff(p, t, x, h, s, w)
-                return are_roundoff(h, w)
+                return OK if are_roundoff(h, w) else NOT_CONVERGED
             if theta >= DIVERGENT:
                 eta = 1.0 / (1.0 - DIVERGENT)
             s.newton.theta = theta
             s.newton.eta = eta
         before = now
         if eta * now <= w.newton.tolerance or (s.roundoff_memory > 0.0 and are_roundoff(h, w)):
-            return True
-    return False
+            return OK
+    return NOT_CONVERGED
 
 
-def add_work(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> None:
-    """Integrate the work over the stages."""
+def sample_stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
+    """Evaluate the rates with contacts at the solved stages: the ranges of their forces, and the power."""
+    # Samples of the iteration do not count.
+    forget_forces(w)
+    w.newton.x_stage[:] = x
+    for j in static(range(len(C))):
+        for i in range(NQ + NV):
+            w.newton.x_stage[i] = x[i] + s.k[1 + j][i]
+        status = rates_at(p, t + number(C[j]) * h, w.newton.x_stage, w.xdot, w.lam, w)
+        if failed(status):
+            return status
+        if NZ > 0:
+            w.newton.stage_power[1 + j][0] = w.xdot[NQ + NV]
+    s.rhs += len(C)
+    return OK
+
+
+def set_stage_power(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> None:
+    """Compute the power at the stages without contacts."""
     if NZ > 0:
-        # The power at each stage by the rates of the stages, not by an evaluation; then the weights A, as for
-        # any state.
+        # By the rates of the stages, not by an evaluation.
         for i in range(NX):
             w.newton.x_stage[i] = x[i]
         for j in static(range(len(C))):
@@ -237,22 +260,33 @@ def add_work(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> None
                 )
             else:
                 fn_work(p, t + number(C[j]) * h, w.newton.x_stage, w.a, s.newton.stage_lam[j], w.power)
-            # z = h A power.
             w.newton.stage_power[1 + j][0] = w.power[0]
+
+
+def add_work(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
+    """Integrate the work over the stages, z = h A power."""
+    if NCON > 0:
+        status = sample_stages(p, t, x, h, s, w)
+        if failed(status):
+            return status
+    else:
+        set_stage_power(p, t, x, h, s, w)
+    if NZ > 0:
         for j in static(range(len(C))):
             s.k[1 + j][NQ + NV] = h * combination(A[j], w.newton.stage_power, 0)
+    return OK
 
 
 def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
     """Compute the stages less x in the rows of s.k from 1 on, and the end of the step in s.x_new. The
     derivatives and factors of a step before are used again while they serve."""
     if s.newton.jacobian_step < 0:
-        status = update_jacobian(p, t, x, s, w)
+        status = update_jacobian(p, t, x, h, s, w)
         if failed(status):
             return status
     # Without derivatives from an earlier step they are computed first; else tried as they are.
-    solved = False
-    while not solved:
+    solved = NOT_CONVERGED
+    while failed(solved):
         # The factors belong to one step size.
         if s.newton.factored != h:
             s.newton.factored = h
@@ -261,17 +295,19 @@ def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status
                 return NOT_CONVERGED
         start_stages(h, s)
         solved = solve_stages(p, t, x, h, s, w)
-        if not solved:
+        if failed(solved):
             # A failure with old derivatives is tried again with new ones; with new ones the step is
             # shortened.
             s.newton.eta = 1.0
             if s.newton.jacobian_step == s.steps:
-                return NOT_CONVERGED
-            status = update_jacobian(p, t, x, s, w)
+                return solved
+            status = update_jacobian(p, t, x, h, s, w)
             if failed(status):
                 return status
+    status = add_work(p, t, x, h, s, w)
+    if failed(status):
+        return status
     # The end of a Radau IIA step is its last stage (c_3 = 1).
-    add_work(p, t, x, h, s, w)
     s.x_new[:] = x
     for i in range(NINT):
         s.x_new[i] = x[i] + s.k[len(C)][i]
@@ -288,7 +324,7 @@ def filter_error(own: Vec[NX], h: Real, s: State, w: Work) -> None:
         for j in range(NV):
             total += s.newton.mass[i * NV + j] * own[NQ + j]
         w.newton.residual[NQ + i] = total
-    for i in range(NC):
+    for i in range(NLAM):
         w.newton.residual[NQ + NV + i] = 0.0
     solve_shifted(number(SHIFT) / h, s, w.newton.residual, w)
 
@@ -344,9 +380,10 @@ def keep_stages(s: State) -> None:
     method converged fast by them."""
     for j in static(range(len(C))):
         s.k[5 + j][:] = s.k[1 + j]
-        for i in range(NC):
+        for i in range(NLAM):
             s.newton.kept_lam[j][i] = s.newton.stage_lam[j][i]
-    s.newton.start_lam[:] = s.newton.stage_lam[len(C) - 1]
+    for i in range(NLAM):
+        s.newton.start_lam[i] = s.newton.stage_lam[len(C) - 1][i]
     if s.newton.theta > FAST:
         s.newton.jacobian_step = -1
     s.newton.kept_step = s.steps + 1
@@ -358,19 +395,19 @@ def restore_stages(s: State) -> None:
         s.k[1 + j][:] = s.k[5 + j]
 
 
-def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:
-    """Compute the largest deviation of the rates at the stages from the slope of the cubic between the ends
-    of the step from s.x to s.x_new."""
+def stage_deviation(i: int, h: Real, s: State) -> Real:
+    """Return the largest deviation of the rate of a state at the stages from the slope of the cubic between
+    the ends of the step from s.x to s.x_new."""
     # Rates of the stages by A^-1 z / h against the slope of the cubic Hermite interpolant.
-    for i in range(NQ + NV):
-        mean = (s.x_new[i] - s.x[i]) / h
-        far[i] = 0.0
-        for j in static(range(len(C))):
-            c = number(C[j])
-            slope = 6.0 * c * (1.0 - c) * mean + (1.0 - c) * (1.0 - 3.0 * c) * s.k[0][i]
-            own = fabs(combination(INVERSE[j], s.k, i) / h - slope - c * (3.0 * c - 2.0) * s.k[END_RATE][i])
-            if own > far[i]:
-                far[i] = own
+    mean = (s.x_new[i] - s.x[i]) / h
+    far = 0.0
+    for j in static(range(len(C))):
+        c = number(C[j])
+        slope = 6.0 * c * (1.0 - c) * mean + (1.0 - c) * (1.0 - 3.0 * c) * s.k[0][i]
+        own = fabs(combination(INVERSE[j], s.k, i) / h - slope - c * (3.0 * c - 2.0) * s.k[END_RATE][i])
+        if own > far:
+            far = own
+    return far
 
 
 def dense_output(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, w: Work) -> Status:

@@ -1,17 +1,26 @@
 """The equations of a stage of an implicit method, and the linear systems of its Newton method.
 
 The unknowns are q, v and the multipliers: q' = N v + n, M v' = f + G^T lam, and the constraints at velocity
-level, psi = 0 (index 2). The matrices are dense.
+level, psi = 0 (index 2). In a model with contacts they are q and v alone: q' and v' are the rates of the
+motion with the contacts that touch, in the modes of the step. The matrices are dense.
 """
 
+from lagc.kernels.contact.touching import rates_at
 from lagc.kernels.dynamics.loaded_reactions import motion_at
 from lagc.kernels.language.vocabulary import *
 from lagc.kernels.linear_algebra.dense_lu import factor_complex, factor_real, solve_complex, solve_real
 
+DIFFERENCE = by_type(5e-3, 6e-6, "6e-12")  # of the size of a state, SPACING^(1/3): for central differences
 
-def residual_at(p: Params, t: Real, lam: Vec[NC], w: Work) -> None:
+
+def residual_at(p: Params, t: Real, lam: Vec[NC], w: Work) -> Status:
     """Compute the residual w.newton.residual of the equations at the state w.newton.x_stage and the rates
     w.newton.rates_stage."""
+    if NCON > 0:
+        status = rates_at(p, t, w.newton.x_stage, w.xdot, w.lam, w)
+        for i in range(NQ + NV):
+            w.newton.residual[i] = w.newton.rates_stage[i] - w.xdot[i]
+        return OK if status == REDUNDANT else status
     w.a[:] = part(w.newton.rates_stage, NQ, NQ + NV)
     if NMODE > 0:
         fn_residual_on(p, t, w.newton.x_stage, w.modes, w.a, lam, w.qdot, w.newton.residual_rows)
@@ -22,6 +31,7 @@ def residual_at(p: Params, t: Real, lam: Vec[NC], w: Work) -> None:
         w.newton.residual[i] = w.newton.rates_stage[i] - w.qdot[i]
     for i in range(NR):
         w.newton.residual[NQ + i] = w.newton.residual_rows[i]
+    return OK
 
 
 def derive_columns(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
@@ -46,8 +56,67 @@ def derive_columns(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
                 s.newton.mass[i * NV + j - NNEWTON] = w.newton.residual[NQ + i]
 
 
-def update_jacobian(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Status:
-    """Compute the derivatives of the equations at (t, x), whose rates are s.k[0]."""
+def spans_of_states(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work, spans: Vec[NGROUP]) -> None:
+    """Set the spans of the scaling groups: the largest magnitude so far, of angles at most 1. A group at
+    rest, up to round-off, has what it reaches over h."""
+    # The rates tell what speeds reach, and those after an Euler step what coordinates do.
+    for k in range(NGROUP):
+        spans[k] = 0.0
+    w.newton.x_stage[:] = x
+    for i in range(NQ + NV):
+        w.newton.rates_stage[i] = h * s.k[0][i]
+        w.newton.x_stage[i] += w.newton.rates_stage[i]
+    enlarge_sizes(w.newton.rates_stage, spans)
+    s.rhs += 1
+    if not failed(rates_at(p, t + h, w.newton.x_stage, w.xdot, w.lam, w)):
+        for i in range(NQ + NV):
+            w.newton.rates_stage[i] = h * w.xdot[i]
+        enlarge_sizes(w.newton.rates_stage, spans)
+    for k in range(NGROUP):
+        if w.error.sizes[k] > LEAST_SIZE * spans[k]:
+            spans[k] = w.error.sizes[k]
+    if spans[0] > 1.0:
+        spans[0] = 1.0
+
+
+def differ_rates(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
+    """Compute the derivatives of the rates with contacts by central differences, and by those of one side
+    where the rates on the other one do not exist."""
+    spans = vector(NGROUP)
+    spans_of_states(p, t, x, h, s, w, spans)
+    w.newton.x_stage[:] = x
+    for j in range(NQ + NV):
+        # Rates of both sides; those of a side that fails are s.k[0], at x itself.
+        step = DIFFERENCE * spans[scaling_group[j]]
+        ahead = x[j] + step
+        behind = x[j] - step
+        w.newton.x_stage[j] = ahead
+        status = rates_at(p, t, w.newton.x_stage, w.newton.rates_stage, w.lam, w)
+        if failed(status):
+            ahead = x[j]
+            w.newton.rates_stage[:] = s.k[0]
+        w.newton.x_stage[j] = behind
+        other = rates_at(p, t, w.newton.x_stage, w.xdot, w.lam, w)
+        if failed(other):
+            if failed(status):
+                return status
+            behind = x[j]
+            w.xdot[:] = s.k[0]
+        w.newton.x_stage[j] = x[j]
+        # A state that has no size and does not move has no effect.
+        apart = ahead - behind if ahead > behind else 1.0
+        for i in range(NQ + NV):
+            s.newton.slopes[i * NNEWTON + j] = (w.xdot[i] - w.newton.rates_stage[i]) / apart
+    s.rhs += 2 * (NQ + NV)
+    # The equations are solved for the rates.
+    for i in range(NV):
+        for j in range(NV):
+            s.newton.mass[i * NV + j] = 1.0 if i == j else 0.0
+    return OK
+
+
+def derive_equations(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Status:
+    """Compute the derivatives of the equations without contacts, and find dependent constraint equations."""
     if NC > 0:
         # Which equations depend on others at this state: these are left out of the stages.
         w.rows.redundant_before[:] = w.redundant
@@ -77,6 +146,17 @@ def update_jacobian(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Status
                 for j in range(NNEWTON):
                     s.newton.slopes[(NQ + NV + i) * NNEWTON + j] = 0.0
                 s.newton.slopes[(NQ + NV + i) * NNEWTON + NQ + NV + i] = 1.0
+    return OK
+
+
+def update_jacobian(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
+    """Compute the derivatives of the equations at (t, x), whose rates are s.k[0], for a step over h."""
+    if NCON > 0:
+        status = differ_rates(p, t, x, h, s, w)
+    else:
+        status = derive_equations(p, t, x, s, w)
+    if failed(status):
+        return status
     # Factors of other derivatives are void.
     s.newton.jacobian_step = s.steps
     s.newton.factored = 0.0
@@ -102,7 +182,7 @@ def factor_stages(real: Real, re: Real, im: Real, s: State) -> bool:
     else:
         # Where qdot = v, a shift sigma gives dq = dv / sigma: its columns go to those of the speeds.
         square = re * re + im * im
-        for i in range(NR):
+        for i in range(NLINEAR):
             for j in range(NQ):
                 own = s.newton.slopes[(NQ + i) * NNEWTON + j]
                 s.newton.real_factors[i * NLINEAR + j] += own / real
@@ -132,7 +212,7 @@ def solve_shifted(real: Real, s: State, r: Vec[NNEWTON], w: Work) -> None:
     else:
         # (J + real B)(dq, dv, dlam) = r with qdot = v: dq = (dv + r_q) / real goes into the other equations.
         inverse = 1.0 / real
-        for i in range(NR):
+        for i in range(NLINEAR):
             total = r[NQ + i]
             for j in range(NQ):
                 total -= s.newton.slopes[(NQ + i) * NNEWTON + j] * (inverse * r[j])
@@ -140,7 +220,7 @@ def solve_shifted(real: Real, s: State, r: Vec[NNEWTON], w: Work) -> None:
         solve_real(s.newton.real_factors, s.newton.real_pivots, w.newton.linear)
         for i in range(NV):
             r[i] = inverse * (r[i] + w.newton.linear[i])
-        for i in range(NR):
+        for i in range(NLINEAR):
             r[NQ + i] = w.newton.linear[i]
 
 
@@ -165,7 +245,7 @@ def solve_turned(re: Real, im: Real, s: State, r: Vec[NNEWTON], q: Vec[NNEWTON],
         away = re / square  # the real and imaginary part of 1 / (re + i im)
         back = -im / square
         # Put the residuals of the coordinates, divided by the shift, into the equations of the speeds.
-        for i in range(NR):
+        for i in range(NLINEAR):
             own = r[NQ + i]
             turned = q[NQ + i]
             for j in range(NQ):
@@ -187,6 +267,6 @@ def solve_turned(re: Real, im: Real, s: State, r: Vec[NNEWTON], q: Vec[NNEWTON],
             turned = q[i] + w.newton.linear_imaginary[i]
             r[i] = away * own - back * turned
             q[i] = away * turned + back * own
-        for i in range(NR):
+        for i in range(NLINEAR):
             r[NQ + i] = w.newton.linear[i]
             q[NQ + i] = w.newton.linear_imaginary[i]

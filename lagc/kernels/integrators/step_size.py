@@ -48,10 +48,9 @@ def step_underflows(s: State, t1: Real, a: Trial) -> bool:
 def shrink_step(a: Trial, o: Options) -> None:
     """Reduce the size of the attempt after an error above 1, as the method does or by (HNW II.4.13)."""
     for m in static(METHODS):
-        if m.CONTROLS > 0:
-            if o.method == m.NUMBER:
-                a.size = m.reduced_size(a)
-                return
+        if m.CONTROLS > 0 and is_method(o.method, m):
+            a.size = m.reduced_size(a)
+            return
     # 0.9 (1 / err)^exponent, at most by the method's factor.
     most = largest_reduction(o.method)
     factor = rational_power(a.error, error_exponent(o.method)) / 0.9
@@ -61,9 +60,8 @@ def shrink_step(a: Trial, o: Options) -> None:
 def next_size(s: State, a: Trial, o: Options) -> Real:
     """Return the size of the next step, as the method has it or by the errors of this and the last step."""
     for m in static(METHODS):
-        if m.CONTROLS > 0:
-            if o.method == m.NUMBER:
-                return m.next_size(s, a)
+        if m.CONTROLS > 0 and is_method(o.method, m):
+            return m.next_size(s, a)
     most = largest_reduction(o.method)
     least = largest_growth(o.method)
     # PI controller, (HNW II.4, IV.2): err_n^exponent err_(n-1)^-beta; errors below 1e-4 do not make the

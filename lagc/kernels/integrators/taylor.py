@@ -258,35 +258,34 @@ def restore_series(s: State, w: Work) -> Status:
     return status
 
 
-def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:
-    """Compute the largest deviation of the slopes at three points of the step from that of the cubic between
-    its ends."""
+def stage_deviation(i: int, h: Real, s: State) -> Real:
+    """Return the largest deviation of the slope of a state at three points of the step from that of the cubic
+    between its ends."""
     slopes = vector(THREE)
     part = h / s.series.scale
     inverse = 1.0 / s.series.scale
-    for i in range(NX):
-        far[i] = 0.0
-    for i in range(NQ + NV):
-        early = 0.0
-        middle = 0.0
-        late = 0.0
-        # Slopes at 1/4, 1/2 and 3/4 by Horner's rule.
-        for k in range(s.series.order, 0, -1):
-            own = float(k) * s.series.coefficients[k][i]
-            early = own + 0.25 * part * early
-            middle = own + 0.5 * part * middle
-            late = own + 0.75 * part * late
-        slopes[0] = early
-        slopes[1] = middle
-        slopes[2] = late
-        # Slope of the cubic Hermite interpolant there.
-        mean = (s.x_new[i] - s.x[i]) / h
-        for j in range(3):
-            c = 0.25 * float(j + 1)
-            cubic = 6.0 * c * (1.0 - c) * mean + (1.0 - c) * (1.0 - 3.0 * c) * s.k[0][i]
-            apart = fabs(inverse * slopes[j] - cubic - c * (3.0 * c - 2.0) * s.k[END_RATE][i])
-            if apart > far[i]:
-                far[i] = apart
+    early = 0.0
+    middle = 0.0
+    late = 0.0
+    # Slopes at 1/4, 1/2 and 3/4 by Horner's rule.
+    for k in range(s.series.order, 0, -1):
+        own = float(k) * s.series.coefficients[k][i]
+        early = own + 0.25 * part * early
+        middle = own + 0.5 * part * middle
+        late = own + 0.75 * part * late
+    slopes[0] = early
+    slopes[1] = middle
+    slopes[2] = late
+    # Slope of the cubic Hermite interpolant there.
+    mean = (s.x_new[i] - s.x[i]) / h
+    far = 0.0
+    for j in range(3):
+        c = 0.25 * float(j + 1)
+        cubic = 6.0 * c * (1.0 - c) * mean + (1.0 - c) * (1.0 - 3.0 * c) * s.k[0][i]
+        apart = fabs(inverse * slopes[j] - cubic - c * (3.0 * c - 2.0) * s.k[END_RATE][i])
+        if apart > far:
+            far = apart
+    return far
 
 
 def dense_state(part: Real, i: int, s: State) -> Real:

@@ -19,6 +19,7 @@ has_unit: IVec[NP]  # 1: a parameter or input with a unit
 bounded: IVec[NBOUNDED]  # indices of the parameters that have bounds
 bounds: Mat[NBOUNDED, TWO]  # lower and upper bound of each
 has_edges: IVec[NMODE]  # 1: a stepwise relation, whose mode changes at edges; 0: it changes at zero
+enclosed_state: IVec[NENCLOSED]  # the coordinates and speeds that bounds in a box depend on, as indices of x
 clauses_only: IVec[NMODE]  # 1: clauses `when` alone ask for this relation
 terminates: IVec[NWHEN]  # 1: this clause ends the run
 reinit_clause: IVec[NJUMP]  # the clause that assigns each value

@@ -209,13 +209,12 @@ class LoadWork:
         sizes: Vec[NLOADMATRIX]  # of the terms of its entries
         step: Vec[NLOADED]
         reach: Vec[NLOADED]  # of the terms of each multiplier
+        matrix_kept: Vec[NLOADMATRIX]  # those of one state for many responses
+        sizes_kept: Vec[NLOADMATRIX]
     if NCON > 0:
         begin: Vec[NR]  # accelerations and multipliers without loads and contacts
         rest: Vec[NV]  # forces at reactions of zero, by their slopes
         pushes: Vec[NCROW]
-        if NLOADED > 0:
-            matrix_kept: Vec[NLOADMATRIX]
-            sizes_kept: Vec[NLOADMATRIX]
 
 
 @struct
@@ -301,6 +300,10 @@ class ContactWork:
     x: Vec[NX]
     rates: Vec[NX]
     lam: Vec[NC]
+    flies: bool  # no contact touches in this step, but those of blocks at rest
+    touches: bool  # one of these does
+    constant: IVec[NBLOCK]  # these blocks
+    constant_count: int  # how many
     # Blocks whose states do not change within a step keep their rates and forces
     keeps: bool
     known: IVec[NBLOCK]
@@ -343,6 +346,8 @@ class SettlingWork:
     acts: IVec[NBLOCK]  # 1: something happens in this block
     near: IVec[NCON]
     leaves: IVec[NCON]
+    if NNEWTON > 0:
+        departs: IVec[NCON]  # relation that leaves zero with a rate of zero; -1: none does
     closed: IVec[NCON]  # modes that the law has found
     rests: IVec[NCON]
     struck: Vec[NCON]  # impulse

@@ -50,6 +50,7 @@ class NTIMED(metaclass=SizeType): ...  # of these the ones of time alone, which 
 class NFREE(metaclass=SizeType): ...  # the others, which depend on the state
 class NBOX(metaclass=SizeType): ...  # ends of a box of time and states
 class NENDS(metaclass=SizeType): ...  # 2 NFREE
+class NENCLOSED(metaclass=SizeType): ...  # states of (q, v) that bounds in a box depend on
 class NFEAT(metaclass=SizeType): ...  # terms that may be narrow
 class NBOUNDS(metaclass=SizeType): ...  # 2 NFEAT
 class NPOLE(metaclass=SizeType): ...  # divisors that may come near zero
@@ -101,7 +102,8 @@ class FOUR(metaclass=SizeType): ...
 class SEVEN(metaclass=SizeType): ...
 class NK(metaclass=SizeType): ...  # stages that are kept in a step, of the method with the most
 class ND(metaclass=SizeType): ...  # coefficient vectors of the dense output
-class NNEWTON(metaclass=SizeType): ...  # unknowns of a stage, NQ + NV + NC; 0: no implicit method is carried
+class NNEWTON(metaclass=SizeType): ...  # unknowns of a stage, NQ + NV + NLAM; 0: no implicit method
+class NLAM(metaclass=SizeType): ...  # multipliers among them: NC, or 0 in a model with contacts
 class NSLOPES(metaclass=SizeType): ...  # NNEWTON NNEWTON
 class NDIRECTION(metaclass=SizeType): ...  # NNEWTON + NV where derivatives are columns; else 0
 class NLINEAR(metaclass=SizeType): ...  # unknowns of its linear systems: without q where qdot = v

@@ -127,6 +127,11 @@ def public(function: R) -> R:
     return function
 
 
+def inline(function: R) -> R:
+    """Declare a small kernel that C compilers shall print where it is called."""
+    return function
+
+
 def vector(n: type[N]) -> Vec[N]: ...  # type: ignore[empty-body]
 def indices(n: type[N]) -> IVec[N]: ...  # type: ignore[empty-body]
 def params() -> Params: ...  # type: ignore[empty-body]

@@ -5,9 +5,10 @@ S' = f_x S + f_theta.  With F(t, q, v, a, lam, p) = (M a - f - G^T lam; G a - ga
 Derivatives, SIAM 2008).
 """
 
-from math import fabs
+from math import fabs, inf
 
 from lagc.kernels.constraints.projection import assemble_at, solve_at
+from lagc.kernels.dynamics.loaded_reactions import follow_loads, keep_load_matrix, motion_at, update_load
 from lagc.kernels.dynamics.rhs import assemble_entries, factor_safely, rhs_at
 from lagc.kernels.language.vocabulary import *
 from lagc.kernels.linear_algebra.cholesky import solve_lower, solve_upper
@@ -71,6 +72,9 @@ def rates_beside(
     else:
         fn_tangent(p, t, v.xdot, v.a, v.lam, own, v.seeds, v.dqdot, v.dr)
     solve_tangents(w, v)
+    if NLOADED > 0:
+        if not follow_loads(v.solution, w):
+            v.solution[0] = inf
     for i in range(NX):
         rates[i] = 0.0
     rates[:NQ] = v.dqdot
@@ -118,11 +122,21 @@ def direction_rates(
 
 def look_at(p: Params, t: Real, x: Vec[NX], w: Work, v: TangentWork) -> Status:
     """Evaluate the motion at (t, x), and factor K there."""
-    status = rhs_at(p, t, x, v.xdot, v.lam, w)
+    if NLOADED > 0:
+        status = motion_at(p, t, x, v.xdot, v.lam, w)
+    else:
+        status = rhs_at(p, t, x, v.xdot, v.lam, w)
     if failed(status):
         return status
     v.a[:] = part(v.xdot, NQ, NQ + NV)
-    return factor_tangents(p, t, x, w, v)
+    status = factor_tangents(p, t, x, w, v)
+    # Loads follow the multipliers of S: their slopes at those of the motion.
+    if NLOADED > 0:
+        if not failed(status):
+            w.loads.lam[:] = v.lam
+            update_load(p, t, x, w)
+            keep_load_matrix(w)
+    return status
 
 
 def stay_on_constraints(p: Params, t: Real, x: Vec[NX], own: Vec[NX], w: Work, v: TangentWork) -> None:

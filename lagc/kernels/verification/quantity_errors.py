@@ -147,7 +147,7 @@ def known_part(method: int) -> Real:
             return 1.0 - FINER_SERIES
     rest = 1.0
     for m in static(METHODS):
-        if method == m.NUMBER:
+        if is_method(method, m):
             for count in range(m.ORDER):
                 rest *= BLOCK / (BLOCK + 1.0)
     return 1.0 - rest

@@ -135,28 +135,26 @@ def _load_in(scene: Scene, frames: Frames, name: str, reaction: Array) -> Array:
 
 def _friction(scene: Scene, frames: Frames, evaluate: Evaluate) -> Iterator[Arrow]:
     """Yield the friction of contacts with a plane: the part along the plane of the force of all constraints
-    on a body, if this contact alone holds it."""
-    model, asked = scene.model, dict[str, tuple[str, Row]]()
-    held = [row.places for row in scene.rows.known.values()]
-    for contact in model.contacts if not model.constraints and not model.joints else ():
-        # The reaction of the body is normal force and friction together if this contact alone holds it.
+    on a body, where this contact alone holds it."""
+    model, given, n = scene.model, frames.symbol_values, len(frames.t)
+    if not model.contacts or model.constraints or model.joints or len(scene.bodies) != 1:
+        return
+    (body,) = scene.bodies
+    text = f"reaction({body.name})" if body.frame is None else f"reaction({body.name}).force"
+    try:
+        (force,) = evaluate([text], frames.t, frames.x)
+    except Refused:
+        return
+    touching = values([contact.state for contact in model.contacts], given, n) != 0.0
+    for contact, touches in zip(model.contacts, touching):
         row = scene.rows.known.get(contact.label)
-        if row is None or row.kind != "plane" or not contact.slip or held.count(row.places) > 1:
+        if row is None or row.kind != "plane" or not contact.slip:
             continue
-        carriers = [
-            body for body in scene.bodies if row.places[0] in (body.place, *(i for i, _ in body.attached))
-        ]
-        if len(carriers) == 1 and len(scene.bodies) == 1:
-            solid = "" if carriers[0].frame is None else ".force"
-            asked[f"reaction({carriers[0].name}){solid}"] = (contact.label, row)
-    for text, (label, row) in asked.items():
-        try:
-            (force,) = evaluate([text], frames.t, frames.x)
-        except Refused:
-            continue
-        v = force.T - np.outer(row.n, force @ np.array(row.n))
-        if np.isfinite(v).any() and np.nanmax(np.abs(v)) > _least_force(scene, frames):
-            yield Arrow(f"friction of {label}", "reaction", frames.p[row.places[0]], v)
+        if row.places[0] in (body.place, *(i for i, _ in body.attached)):
+            v = force.T - np.outer(row.n, force @ np.array(row.n))
+            v[:, ~(touches & (touching.sum(axis=0) == 1))] = np.nan
+            if np.isfinite(v).any() and np.nanmax(np.abs(v)) > _least_force(scene, frames):
+                yield Arrow(f"friction of {contact.label}", "reaction", frames.p[row.places[0]], v)
 
 
 def _evaluated(

@@ -198,10 +198,14 @@ def declare_dissipation(context: Context, entry: Entry) -> Value:
     return Reference(entry)
 
 
+def _is_rate(part: tree.Expression) -> bool:
+    return isinstance(part, tree.Call) and part.span.text.startswith("der(")
+
+
 def _of_rate(context: Context, entry: Entry) -> str | None:
     """Return a remedy for a dissipation that is a force, `c*der(x)`, and not half its power."""
     value = _construct_of(entry).value
-    if not isinstance(value, tree.Binary) or value.op != "*" or not value.right.span.text.startswith("der("):
+    if not isinstance(value, tree.Binary) or value.op != "*" or not _is_rate(value.right):
         return None
     from lagc.semantics.names.undeclared import dimension_of  # where there is a fault
 

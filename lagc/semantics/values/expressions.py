@@ -135,7 +135,9 @@ def _times(a: Scalar, b: Scalar) -> Scalar:
 def _divide(a: Scalar, b: Scalar) -> Scalar:
     if b.node.is_zero:
         raise ZeroDivisionError
-    return Scalar(a.node / b.node, None if a.dimension is None else over(a.dimension, b.dimension or NONE))
+    if a.dimension is None or b.dimension is None:
+        return Scalar(a.node / b.node, None)
+    return Scalar(a.node / b.node, over(a.dimension, b.dimension))
 
 
 def _product(e: tree.Binary, left: Value, right: Value) -> Value:
@@ -196,7 +198,8 @@ def _power(e: tree.Binary, left: Value, right: Value) -> Value:
         if dimension is None:
             raise Wrong("LAG0305", f"{describe(left.dimension)} has no power {number:g}", e.right.span)
     power = left.node**right.node
-    return Scalar(power, None if left.dimension is None and power.is_zero else dimension)
+    is_number = power.is_const and not power.is_zero  # as 0^0
+    return Scalar(power, None if left.dimension is None and not is_number else dimension)
 
 
 _ARITHMETIC: dict[str, Callable[[tree.Binary, Value, Value], Value]] = {

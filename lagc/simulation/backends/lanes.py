@@ -26,7 +26,7 @@ class Lanes:
     def __init__(self, model: CModel, widths: Mapping[int, str] = WIDTHS):
         # Compilers for Windows do not align vectors of this length on the stack.
         has_vectors = machine() == "x86_64" and sys.platform != "win32"
-        sources = lanes(model.sources, widths) if has_vectors else None
+        sources = lanes(model.interface, model.sources, widths) if has_vectors else None
         if sources is None:
             raise CannotCompile("there are no lanes for this model or this machine")
         self.library, self.prefix = library(sources), model.header[0]

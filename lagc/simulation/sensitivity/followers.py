@@ -62,12 +62,13 @@ class Follower(Protocol):
 
 def follower(
     system: Any, options: Options, times: Sequence[float], x: Sequence[float], columns: Sequence[int],
-    now: Array, sizes: Array,
+    now: Array, sizes: Array, rounding: Array,
 ) -> Follower:  # fmt: skip
-    """A follower from (times[0], x) and S = now, in the directions of these parameters (-1: another)."""
+    """A follower from (times[0], x) and S as it is given, in the directions of these parameters (-1:
+    another)."""
     kind: Any = InC if system.backend == "c" else InPython
     found: Follower = kind(system, options, times, x, columns)
-    found.change(now, sizes, np.zeros((2 * len(sizes), sizes.shape[1])))
+    found.change(now, sizes, rounding)
     found.record(0, now)
     return found
 

@@ -7,8 +7,7 @@ which unknowns move.  If the equations leave a choice, differences of the search
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from math import inf
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +16,7 @@ from lagc.simulation.initialization.conflicts import conditions_of
 from lagc.simulation.initialization.initialize import guess_and_levels
 from lagc.simulation.initialization.solver import Consistency
 from lagc.simulation.linearization.derivatives import DEPENDENT, Array, Point
+from lagc.simulation.sensitivity.differences import extrapolated, size_of
 from lagc.simulation.sensitivity.sensitivities import Direction
 from lagc.simulation.system import OK
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 NEARBY = 1e-4  # of the size of the value: the offset of a nearby search
 LONGEST = (1e-2, 1e-3, 1e-4)  # the same for differences of searches
-SHRINKING, DIFFERENCES = 1.4, 10
+DIFFERENCES = 10
 SMOOTH = 0.1  # of the predicted change: a larger deviation means that the search jumps
 MET = 1e-6  # of the terms of an equation; of the differences of a smooth search
 
@@ -76,10 +76,7 @@ class _Consistent:
             self.size = abs(point.x[direction.state]) or base.space.scaling[direction.state]
             self._demand_the_same(base)
         elif direction.parameter is not None:
-            fields = [*self.system.interface.parameters, *self.system.interface.inputs]
-            alike = [abs(value) for value, field in zip(self.system.parameters, fields)
-                     if field.unit == direction.unit]  # fmt: skip
-            self.size = abs(self.system.parameters[direction.parameter]) or max(alike) or 1.0
+            self.size = size_of(self.system, direction)
 
     def _demand_the_same(self, base: Consistency) -> None:
         """Raise ArithmeticError if stating the present value leads to another initial state."""
@@ -153,7 +150,7 @@ class _Consistent:
 
         for longest in LONGEST:
             try:
-                found, doubt = _extrapolated(values, longest)
+                found, doubt = extrapolated(values, longest, DIFFERENCES)
             except ArithmeticError:
                 if longest == LONGEST[-1]:
                     raise
@@ -194,20 +191,3 @@ class _Consistent:
 
 def _moving(search: Consistency) -> list[int]:
     return [i for i, moves in enumerate(search.space.free) if moves == 1]
-
-
-def _extrapolated(values: Callable[[float], Array], longest: float) -> tuple[Array, Array]:
-    """The derivative of `values` at 0 and its error, by central differences extrapolated to step 0 (C. J.
-    F. Ridders, Adv. Eng. Software 4, 1982, p. 75)."""
-    found: Array | float = inf
-    doubt: Array | float = inf
-    before, step = list[Array](), longest
-    for _ in range(DIFFERENCES):
-        row = [(values(step) - values(-step)) / (2.0 * step)]
-        for j, last in enumerate(before):
-            factor = SHRINKING ** (2 * j + 2)
-            row.append((row[j] * factor - last) / (factor - 1.0))
-            apart = np.maximum(np.abs(row[-1] - row[j]), np.abs(row[-1] - last))
-            found, doubt = np.where(apart < doubt, row[-1], found), np.minimum(apart, doubt)
-        before, step = row, step / SHRINKING
-    return np.asarray(found), np.asarray(doubt)

@@ -36,6 +36,26 @@ class Stopped(Exception):
         self.lost = list(lost)
 
 
+def common_shift(causes: Sequence[tuple[str, float, float, Array, Array]]) -> Array:
+    """The change of the time of an event by directions. Of each cause: its name, the rate of its indicator
+    and the magnitudes of the terms of it, the changes of the indicator and the magnitudes of their terms.
+    Raises Stopped if it barely happens, or if causes happen at one time here alone."""
+    shifts, spans = list[Array](), list[Array]()
+    for name, rate, terms, moved, sizes in causes:
+        if not abs(rate) > SLOWEST * terms:
+            raise Stopped(f"`{name}` barely happens: the smallest change decides whether it does")
+        shifts.append(-moved / rate)
+        spans.append(sizes / abs(rate))
+    for (name, *_), other, span in zip(causes[1:], shifts[1:], spans[1:]):
+        lost = np.flatnonzero(np.abs(other - shifts[0]) > ALIKE * (span + spans[0]))
+        if lost.size:
+            words = f"`{causes[0][0]}` and `{name}` happen at one time here, but not for nearby values"
+            raise Stopped(words, lost)
+    if not shifts:
+        raise Stopped("modes change for an unknown reason")
+    return shifts[0]
+
+
 class Changes:
     """The changes of S at events."""
 
@@ -110,23 +130,11 @@ class Changes:
         by_x, by_t = point.total("indicator", "state"), point.total("indicator", "time")[:, 0]
         moved, sizes = self._moved(point, now)
         own = self._causes(point, by_x @ rates + by_t, causes, step)
-        names, shifts, spans = [interface.relations[k] for k in own], [], []
-        for k in own:
-            rate, terms = by_x[k] @ rates + by_t[k], np.abs(by_x[k]) @ np.abs(rates) + abs(by_t[k])
-            if not abs(rate) > SLOWEST * terms:
-                raise Stopped(f"`{names[0]}` barely happens: the smallest change decides whether it does")
-            shifts.append(-moved[k] / rate)
-            spans.append(sizes[k] / abs(rate))
-        for other, span in zip(shifts[1:], spans[1:]):
-            lost = np.flatnonzero(np.abs(other - shifts[0]) > ALIKE * (span + spans[0]))
-            if lost.size:
-                raise Stopped(
-                    f"`{names[0]}` and `{names[1]}` happen at one time here, but not for nearby values", lost
-                )
-        if not shifts:
-            raise Stopped("modes change for an unknown reason")
-        found: Array = shifts[0]
-        return found
+        terms = np.abs(by_x) @ np.abs(rates) + np.abs(by_t)
+        found = [
+            (interface.relations[k], by_x[k] @ rates + by_t[k], terms[k], moved[k], sizes[k]) for k in own
+        ]
+        return common_shift(found)
 
     def _causes(self, point: Point, rates: Array, causes: Causes, step: float) -> list[int]:
         """The relations that changed by themselves; others jump with them, or with new values."""

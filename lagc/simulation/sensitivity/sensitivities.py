@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ from lagc.symbolic.leaves import derived
 
 if TYPE_CHECKING:
     from lagc.simulation.backends.python import NumpySystem
+    from lagc.simulation.system import System
 
 CLEAR = 10.0  # times the round-off: a sensitivity that is significant
 FAINT = 1e-14  # of the terms of its rates: round-off of S
@@ -34,20 +35,39 @@ class Direction:
     state: int | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class Mode:
+    """The code of a motion, in one mode of its contacts: the system with the derivatives of its equations,
+    the one with the kernels that follow S, and the directions as its parameters and states."""
+
+    system: NumpySystem
+    followed: System
+    directions: tuple[Direction, ...]
+
+    def of(self, kept: Sequence[int]) -> Mode:
+        """The same with these directions."""
+        return replace(self, directions=tuple([self.directions[k] for k in kept]))
+
+    @property
+    def parameters(self) -> tuple[list[int], list[int]]:
+        """The directions that are parameters, and the indices of these in p."""
+        found = [(k, d.parameter) for k, d in enumerate(self.directions) if d.parameter is not None]
+        return [k for k, _ in found], [place for _, place in found]
+
+
 def directions(
     interface: Interface, names: Sequence[str], unused: Sequence[Field], built_in: Collection[str]
 ) -> tuple[Direction, ...]:
     """The directions named `l`, `start(theta)` or `start(der(theta))`, each once; all entries of an array.
     Raises Refused: LAG0601, LAG0606 for an unknown name, LAG0607 for a parameter that is part of the code."""
-    # Not differentiated are friction of two-sided contacts, loads of reactions, discrete variables.
+    # Not differentiated are friction of two-sided contacts, actuators of constraints, discrete variables.
     rough = [contact.name for contact in interface.contacts if contact.normals]
     if rough:
         message = f"sensitivities do not follow the friction of `{rough[0]}` yet"
         raise Refused([Fault("LAG0623", message, remedy="compare runs with values that differ a little")])
-    if interface.loading_rows or interface.pushed_contacts:
-        labels = [interface.row_labels[k] for k in interface.loading_rows]
-        label = [*labels, *(interface.contacts[k].name for k in interface.pushed_contacts)][0]
-        message = f"sensitivities do not follow loads that depend on `reaction({label})` yet"
+    held = [k for k, by in zip(interface.loading_rows, interface.held_rows) if by]
+    if held:
+        message = f"sensitivities do not follow the actuator that holds `{interface.row_labels[held[0]]}` yet"
         raise Refused([Fault("LAG0623", message, remedy="compare runs with values that differ a little")])
     if len(interface.discretes) > len(interface.contacts):
         message = (
@@ -98,13 +118,14 @@ def _meant(name: str, known: Mapping[str, Direction]) -> list[Direction]:
 class Sensitivities:
     """The sensitivities of a run.
 
-    `values` is d(q, v)/dtheta at the recorded times, (times, nq + nv, directions), in SI units; NaN without a
-    value.  `estimated` is the largest error over all times, relative to the largest sensitivity of the same
-    scaling group to the same theta; None if unknown.  `doubts`, (nq + nv, directions), is the error of
-    `values` by the estimate or by round-off.  `message` tells why they end early or miss the accuracy.  The
-    cost is that of all integrations."""
+    `mode_of` returns the code for a whole state. `values` is d(q, v)/dtheta at the recorded times, (times, nq
+    + nv, directions), in SI units; NaN without a value.  `estimated` is the largest error over all times,
+    relative to the largest sensitivity of the same scaling group to the same theta; None if unknown.
+    `doubts`, (nq + nv, directions), is the error of `values` by the estimate or by round-off.  `message`
+    tells why they end early or miss the accuracy.  The cost is that of all integrations, with an evaluation
+    of the derivatives for each step."""
 
-    system: NumpySystem
+    mode_of: Callable[[Sequence[float]], Mode]
     directions: tuple[Direction, ...]
     times: list[float]
     states: list[list[float]]
@@ -115,7 +136,6 @@ class Sensitivities:
     interrupted: bool
     steps: int
     rejected: int
-    evaluations: int
     integrations: int
     run_s: float
     _columns: dict[str, Array] = field(default_factory=dict, repr=False)
@@ -124,8 +144,12 @@ class Sensitivities:
     def __str__(self) -> str:
         by = ", ".join([d.name for d in self.directions])
         known = "not verified" if self.estimated is None else f"estimated {self.estimated:.1e}"
-        return (f"to {by}: {known}; {self.steps} steps ({self.rejected} rejected), {self.evaluations} "
+        return (f"to {by}: {known}; {self.steps} steps ({self.rejected} rejected), {self.derivatives} "
                 f"derivatives in {self.integrations} integrations, run {self.run_s:.3g} s")  # fmt: skip
+
+    @property
+    def derivatives(self) -> int:
+        return self.steps + self.rejected
 
     def named(self, quantities: Iterable[str]) -> dict[str, tuple[str, Direction]]:
         """The columns of these quantities, such as `d(theta)/d(l)`, with quantity and direction."""
@@ -153,8 +177,12 @@ class Sensitivities:
         return float(self._doubts[name][self.directions.index(direction)])
 
     @cached_property
+    def _interface(self) -> Interface:
+        return self.mode_of(self.states[0]).system.interface
+
+    @cached_property
     def _names(self) -> dict[str, tuple[str, Direction]]:
-        interface = self.system.interface
+        interface = self._interface
         rates = [derived(name) for name in interface.q_names]
         outputs = [o.name for o in interface.outputs]
         return self.named([*interface.state_names, *rates, *outputs])
@@ -173,7 +201,7 @@ class Sensitivities:
             "of": [d.name for d in self.directions],
             "estimated": self.estimated,
             "message": self.message,
-            "cost": {"steps": self.steps, "rejected": self.rejected, "derivatives": self.evaluations,
+            "cost": {"steps": self.steps, "rejected": self.rejected, "derivatives": self.derivatives,
                      "run_s": self.run_s},
         }  # fmt: skip
 
@@ -181,20 +209,20 @@ class Sensitivities:
         """Compute the columns of rates and outputs, and their errors, from those of the states."""
         if self._columns:
             return
-        interface = self.system.interface
+        interface = self._interface
         states = interface.state_names
         rates = [derived(name) for name in interface.q_names]
         outputs = [o.name for o in interface.outputs]
-        columns = [k for k, d in enumerate(self.directions) if d.parameter is not None]
-        places = [d.parameter for d in self.directions if d.parameter is not None]
         more = np.full((len(self.times), len(rates) + len(outputs), len(self.directions)), np.nan)
         off, n = np.zeros(more.shape[1:]), len(states)
         for k, (t, x, own) in enumerate(zip(self.times, self.states, self.values)):
             if np.isnan(own).all():
                 continue
             with np.errstate(all="ignore"):
+                mode = self.mode_of(x)
+                columns, places = mode.parameters
                 try:
-                    point = Point(self.system, t, x[:n])
+                    point = Point(mode.system, t, x[:n])
                 except ArithmeticError:
                     continue
                 for part, rows in (("qdot", slice(len(rates))), ("output", slice(len(rates), None))):

@@ -10,7 +10,7 @@ on theta, S jumps by (f- - f+) dt/dtheta.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -18,17 +18,53 @@ from lagc.base.records import dataclass
 from lagc.simulation.linearization.derivatives import Array, Point
 from lagc.simulation.sensitivity.followers import Follower, follower
 from lagc.simulation.sensitivity.saltation import Changes, Stopped
-from lagc.simulation.sensitivity.sensitivities import FAINT, Direction
+from lagc.simulation.sensitivity.sensitivities import FAINT, Mode
 from lagc.simulation.system import INTERRUPTED, OK, TERMINATED, Options
 
 if TYPE_CHECKING:
-    from lagc.simulation.backends.python import NumpySystem
+    pass
 
 SLICE = 8  # inverse share of the steps so far that are made between two calls of `progress`
 REASONS = ("", "its derivatives have no finite value", "its derivatives grow without bound")
 SAME = 1e-6  # of the time of a run: difference of the ends of two integrations
 
 Progress = Callable[[float], None]
+
+
+class Tangents(NamedTuple):
+    """S `now` by directions and states, and by directions and scaling groups its largest magnitudes so far,
+    `sizes`, and its round-off with the largest terms that cancelled behind it, `rounding`."""
+
+    now: Array
+    sizes: Array
+    rounding: Array
+
+
+class Groups:
+    """The scaling groups of the states of a model."""
+
+    def __init__(self, kinds: Sequence[int]):
+        self.kinds = sorted(set(kinds))
+        self.masks = np.array([[kind == k for kind in kinds] for k in range(max(kinds, default=0) + 1)])
+
+    def begun(self, start: Array) -> Tangents:
+        """S(0), which is given by states and directions."""
+        sizes = self.largest(start.T)
+        return Tangents(start.T, sizes, np.zeros((2 * len(sizes), sizes.shape[1])))
+
+    def changed(self, s: Tangents, now: Array, terms: Array, noise: Array | float = 0.0) -> Tangents:
+        """S after an event, whose terms have these magnitudes, and further round-off, by states and
+        directions."""
+        largest, own = self.largest(terms.T), self.largest(np.broadcast_to(noise, terms.shape).T)
+        m = len(largest)
+        more = np.vstack([s.rounding[:m] + FAINT * largest + own, np.maximum(s.rounding[m:], largest)])
+        return Tangents(now.T, np.maximum(s.sizes, largest), more)
+
+    def largest(self, values: Array) -> Array:
+        """The largest magnitude in each direction, by scaling groups."""
+        sizes = np.abs(values)
+        found: Array = np.array([sizes[:, mask].max(axis=1, initial=0.0) for mask in self.masks]).T
+        return found
 
 
 @dataclass
@@ -43,44 +79,39 @@ class Followed:
     terms: Array
     passed: Array
     reached: int
-    steps: int
-    rejected: int
-    evaluations: int  # of the derivatives
+    steps: int = 0  # as many evaluations of the derivatives, with the rejected ones
+    rejected: int = 0
     message: str = ""
     interrupted: bool = False
     lost: Sequence[int] = ()
+
+    def end(self, groups: Groups, s: Tangents) -> None:
+        """Take round-off and terms from the end of S."""
+        m = len(s.now)
+        self.rounding, self.terms = s.rounding[:m].T[groups.kinds], s.rounding[m:].T[groups.kinds]
 
 
 class Variation:
     """The integration of S along a motion."""
 
-    def __init__(
-        self,
-        system: NumpySystem,
-        followed: Any,
-        directions: Sequence[Direction],
-        start: Array,
-        options: Options,
-        rests: bool,
-        most: int,
-    ):
-        """`system` has the derivatives that events need, `followed` the kernels. `start` is S(0) by
-        directions, `rests` tells that the motion stays at its initial state, and `most` limits the number of
-        steps."""
-        self.system, self.followed, self.rests, self.start, self.most = system, followed, rests, start, most
-        self.options = options
-        self.by_p = [k for k, d in enumerate(directions) if d.parameter is not None]
-        self.columns = [-1 if d.parameter is None else d.parameter for d in directions]
-        kinds = system.interface.kinds
-        self.kinds = sorted(set(kinds))
-        self.in_group = np.array([[kind == k for kind in kinds] for k in range(max(kinds, default=0) + 1)])
+    def __init__(self, mode: Mode, start: Array, options: Options, rests: bool, most: int):
+        """`mode` is the code of the motion, `start` is S(0) by its directions, `rests` tells that the motion
+        stays at its initial state, and `most` limits the number of steps."""
+        self.system, self.followed = mode.system, mode.followed
+        self.rests, self.start, self.most, self.options = rests, start, most, options
+        self.by_p, _ = mode.parameters
+        self.columns = [-1 if d.parameter is None else d.parameter for d in mode.directions]
+        self.groups = Groups(mode.system.interface.kinds)
 
-    def integrate(self, x0: Sequence[float], times: Sequence[float], progress: Progress | None) -> Followed:
-        """Integrate the motion from `x0` again, and S with it."""
-        (n, m), start = self.start.shape, self.start.T
-        in_group, passed = np.zeros((len(self.kinds), m)), np.zeros(len(times), dtype=int)
-        found = Followed(np.zeros((0, n, m)), in_group, in_group.copy(), passed, 1, 0, 0, 0)
-        s = follower(self.followed, self.options, times, x0, self.columns, start, self._largest(start))
+    def integrate(
+        self, x0: Sequence[float], times: Sequence[float], progress: Progress | None,
+        begun: Tangents | None = None,
+    ) -> Followed:  # fmt: skip
+        """Integrate the motion from `x0` again, and S with it, from S(0) or from what it was `begun` as."""
+        (n, m), nothing, x0 = self.start.shape, np.zeros((0, 0)), x0[: len(self.start)]
+        found = Followed(np.zeros((0, n, m)), nothing, nothing, np.zeros(len(times), dtype=int), 1)
+        begun = begun or self.groups.begun(self.start)
+        s = follower(self.followed, self.options, times, x0, self.columns, *begun)
         try:
             self._follow(s, list(x0), times, progress, found)
         except Stopped as reason:
@@ -89,12 +120,12 @@ class Variation:
             found.message = f"at t = {s.s.t:.6g} s: {error}"
         except KeyboardInterrupt:
             found.message, found.interrupted = f"interrupted at t = {s.s.t:.6g} s", True
-        _, _, rounding, values = s.arrays()
+        *own, values = s.arrays()
+        self.end, self.last = Tangents(*[array.copy() for array in own]), list(s.s.x[:n])
         found.values = values.transpose(0, 2, 1)
-        found.rounding, found.terms = rounding[:m].T[self.kinds], rounding[m:].T[self.kinds]
+        found.end(self.groups, self.end)
         found.reached = max(found.reached, s.reached)
         found.steps, found.rejected = s.w.steps, s.w.rejected
-        found.evaluations = s.w.steps + s.w.rejected
         return found
 
     def _follow(
@@ -138,13 +169,11 @@ class Variation:
         before = before if s.w.stepped else modes
         if not jumped and after == before:
             return after
-        now, sizes, rounding, _ = s.arrays()
+        *own, _ = s.arrays()
         causes = [k for k, own in enumerate(crossed) if own], together
-        changed, terms = changes.beyond(s, now.T, before, after, causes, jumped)
-        largest, reached = self._largest(terms.T), s.reached
-        m = len(largest)
-        more = np.vstack([rounding[:m] + FAINT * largest, np.maximum(rounding[m:], largest)])
-        s.change(changed.T, np.maximum(sizes, largest), more)
+        changed, terms = changes.beyond(s, own[0].T, before, after, causes, jumped)
+        s.change(*self.groups.changed(Tangents(*own), changed, terms))
+        reached = s.reached
         found.passed[reached:] += 1
         if times[reached - 1] == s.s.t:  # the recorded state is the one after the event
             s.record(reached - 1, changed.T)
@@ -159,9 +188,3 @@ class Variation:
             reached += 1
         if reached < len(times):
             raise Stopped("the repeated motion ends earlier")
-
-    def _largest(self, values: Array) -> Array:
-        """The largest magnitude in each direction, by scaling groups."""
-        sizes = np.abs(values)
-        found: Array = np.array([sizes[:, mask].max(axis=1, initial=0.0) for mask in self.in_group]).T
-        return found

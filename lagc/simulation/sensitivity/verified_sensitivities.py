@@ -13,14 +13,14 @@ from lagc.kernels.integrators.tableaus import order
 from lagc.simulation.global_error.verified_run import longest_step
 from lagc.simulation.linearization.derivatives import Array
 from lagc.simulation.request import Request
+from lagc.simulation.sensitivity.contact_passage import ModeOf, Passage
 from lagc.simulation.sensitivity.initial_sensitivity import start_slopes
-from lagc.simulation.sensitivity.sensitivities import CLEAR, Direction, Sensitivities
+from lagc.simulation.sensitivity.sensitivities import CLEAR, Mode, Sensitivities
 from lagc.simulation.sensitivity.variational_equations import Followed, Variation
 from lagc.simulation.simulate import by_hand
-from lagc.simulation.system import Options, System
+from lagc.simulation.system import Options
 
 if TYPE_CHECKING:
-    from lagc.simulation.backends.python import NumpySystem
     from lagc.simulation.solution import Solution
 
 TOLERANCE = 1e-7  # of a run at rest, which has no tolerance
@@ -34,34 +34,29 @@ Progress = Callable[[float], None]
 
 
 def sensitivities(
-    system: NumpySystem,
-    followed: System,
-    run: Solution,
-    request: Request,
-    directions: tuple[Direction, ...],
-    progress: Progress | None = None,
+    mode_of: ModeOf, whole: Mode | None, run: Solution, request: Request, progress: Progress | None = None
 ) -> None:
-    """Add sensitivities to `run`, the result of the complete `request`, computed by the system with
-    derivatives and the one with the kernels, `followed`. If they fail or miss the accuracy, the run fails,
-    and its message says why."""
-    began = perf_counter()
+    """Add sensitivities to `run`, the result of the complete `request`, by the code for its states. `whole`
+    is that of the model with contacts, if it has any. If they fail or miss the accuracy, the run fails, and
+    its message says why."""
+    began, x0 = perf_counter(), _begun(run)
+    mode = mode_of(x0)
+    system, directions = mode.system, mode.directions
     shape = (len(run.times), system.nq + system.nv, len(directions))
     values, doubts = np.full(shape, np.nan), np.zeros(shape[1:])
     found = Sensitivities(
-        system, directions, run.times, run.states, values, doubts, None, "", False, 0, 0, 0, 0, 0.0
+        mode_of, directions, run.times, run.states, values, doubts, None, "", False, 0, 0, 0, 0.0
     )
     with np.errstate(all="ignore"):  # values that are not finite are detected
         try:
             if run.interrupted or not run.times:
                 raise ArithmeticError("the motion was interrupted")
-            start, doubts, reasons = start_slopes(
-                system, run.states[0], request.starts, directions, request.guesses
-            )
+            start, doubts, reasons = start_slopes(system, x0, request.starts, directions, request.guesses)
             # Directions that end early are given up, with their reasons; the others go on.
             kept = [k for k in range(len(directions)) if k not in reasons]
             while kept:
                 lost = _verified(
-                    found, followed, run, request, kept, (start[:, kept], doubts[:, kept]), progress
+                    found, whole, run, request, kept, (start[:, kept], doubts[:, kept]), progress
                 )
                 if not lost:
                     break
@@ -79,9 +74,21 @@ def sensitivities(
         run.interrupted = run.interrupted or found.interrupted
 
 
+def _begun(run: Solution) -> list[float]:
+    """The initial state, before an impact there, with the contacts that it hits open."""
+    t, *states = run.corners[0] if run.corners else (None, run.states[0])
+    if t != run.times[0]:
+        return list(run.states[0])
+    x, names = list(states[0]), [contact.name for contact in run.system.interface.contacts]
+    for event in run.events:
+        if event.t == t and event.kind == "impact":
+            x[len(x) - len(names) + names.index(event.contact)] = 0.0
+    return x
+
+
 def _verified(
     found: Sensitivities,
-    followed: System,
+    whole: Mode | None,
     run: Solution,
     request: Request,
     kept: list[int],
@@ -90,33 +97,39 @@ def _verified(
 ) -> list[int]:
     """Fill `found` in the directions `kept` and return those that end early; every second run starts
     displaced."""
-    n, directions = len(start[0]), [found.directions[k] for k in kept]
-    rests = len(run.times) > 1 and all(x[:n] == run.states[0][:n] for x in run.states)
+    n, x0 = len(start[0]), _begun(run)
+    mode = found.mode_of(x0).of(kept)
+    kinds = mode.system.interface.kinds
+    rests = len(run.times) > 1 and all(x[:n] == x0[:n] for x in run.states)
 
     def follow(options: Options) -> Followed:
-        begun = start[0] + (found.integrations % 2) * start[1]
-        most = MORE * run.cost.steps + MOST
-        along = Variation(found.system, followed, directions, begun, options, rests, most)
-        done = along.integrate(run.states[0][:n], run.times, progress)
+        displaced, most = found.integrations % 2 == 1, MORE * run.cost.steps + MOST
+        begun = start[0] + displaced * start[1]
+        along: Variation | Passage
+        if whole is None or rests:
+            along = Variation(mode, begun, options, rests, most)
+        else:
+            along = Passage(whole, found.mode_of, kept, begun, options, displaced, most)
+        done = along.integrate(x0, run.times, progress)
         found.steps, found.rejected = found.steps + done.steps, found.rejected + done.rejected
-        found.evaluations, found.integrations = found.evaluations + done.evaluations, found.integrations + 1
+        found.integrations += 1
         found.interrupted = found.interrupted or done.interrupted
         return done
 
     def at(tol: float, halves: bool) -> Followed:
-        longest = longest_step(found.system, run.times[-1], request.max_step)
+        longest = longest_step(mode.system, run.times[-1], request.max_step)
         longest *= (tol / LONGEST_AT) ** (1.0 / order(run.method))
         return follow(Options(method=run.method, rtol=tol, max_step=longest, halves=halves, alone=run.alone))
 
     if request.by_hand:
         done = follow(by_hand(request))
         found.values[:, :, kept], found.message = done.values, done.message
-        found.doubts[:, kept] = _doubts(done, 0.0, found.system.interface.kinds)
+        found.doubts[:, kept] = _doubts(done, 0.0, kinds)
         return [kept[k] for k in done.lost]
     assert request.accuracy is not None
-    done = _refined(found, at, TOLERANCE if rests else max(run.rtol, 10.0 * FINEST), request.accuracy)
+    done = _refined(found, kinds, at, TOLERANCE if rests else max(run.rtol, 10.0 * FINEST), request.accuracy)
     found.values[:, :, kept], found.message = done.values, done.message
-    found.doubts[:, kept] = _doubts(done, found.estimated or 0.0, found.system.interface.kinds)
+    found.doubts[:, kept] = _doubts(done, found.estimated or 0.0, kinds)
     if not found.message and (found.estimated is None or not found.estimated <= request.accuracy):
         known = "is not known" if found.estimated is None else f"seems to be {found.estimated:.1g}"
         found.message = f"their accuracy {known}, {request.accuracy:.1g} was asked for"
@@ -124,8 +137,9 @@ def _verified(
 
 
 def _refined(
-    found: Sensitivities, at: Callable[[float, bool], Followed], tol: float, accuracy: float
-) -> Followed:
+    found: Sensitivities, kinds: Sequence[int], at: Callable[[float, bool], Followed], tol: float,
+    accuracy: float,
+) -> Followed:  # fmt: skip
     """Return the sensitivities `at` a tolerance, `tol` or a finer one, for which the error of `found` is
     within the accuracy, if there is one."""
     # As for the motion: two integrations, the finer one displaced by the doubts of its start, until
@@ -147,7 +161,7 @@ def _refined(
             break
         done = finer
         apart = found.estimated
-        found.estimated = SAFETY * _distance(before, done, found.system.interface.kinds)
+        found.estimated = SAFETY * _distance(before, done, kinds)
         if found.estimated <= accuracy or (apart is not None and found.estimated > 0.5 * apart):
             break
     return done

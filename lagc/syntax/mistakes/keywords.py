@@ -303,7 +303,7 @@ def load_target_first(w: Where) -> Explained | None:
 
 
 def loop_of_another_language(w: Where) -> Explained | None:
-    """Explain `for i = 1 to 3`, `for i in range(3):` and `for (int i = 0; i < 3; i++)`."""
+    """Explain `for i = 1 to 3`, `for i in 1..3`, `for i in range(3):` and `for (int i = 0; i < 3; i++)`."""
     found = _LOOP.match(w.source.text, w.first.start) if w.first.text == "for" else None
     if found is None:
         return None
@@ -315,7 +315,8 @@ def loop_of_another_language(w: Where) -> Explained | None:
 
 
 _LOOP = re.compile(
-    r"for\s+(?:(?P<i>\w+)\s*=\s*(?P<first>\w+)\s+to\s+(?P<last>\w+)|(?P<j>\w+)\s+in\s+range\((?P<count>\w+)\)"
+    r"for\s+(?:(?P<i>\w+)\s*(?:=|\bin\b)\s*(?P<first>\w+)\s*(?:\bto\b|\.\.)\s*(?P<last>\w+)"
+    r"|(?P<j>\w+)\s+in\s+range\((?P<count>\w+)\)"
     r"|\(\s*(?:int\s+)?(?P<k>\w+)\s*=\s*\w+\s*;\s*\w+\s*<=?\s*(?P<bound>\w+)\s*;[^)\n]*\))"
 )
 

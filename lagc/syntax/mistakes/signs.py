@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from itertools import takewhile
 
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.diagnostics.suggest import foreign, looks_like_unit, unit_symbol
@@ -74,7 +75,12 @@ def _assignment(w: Where) -> Special | None:
     if not in_when:
         return w.token, w.token, f"write `{left} = {right}`" if short else "write `x = x + 1`", None
     remedy = f"write `reinit({left}, {right});`" if short else "write `reinit(state, value);`"
-    return w.token, w.token, remedy, None
+    inner = [*takewhile(lambda token: token.kind != END and token.text != ";", w.tokens[w.position + 1 :])]
+    if text != ":=" or left != w.before.text or not inner:
+        return w.token, w.token, remedy, None
+    begin, comma, close = (token_of(mark, w.token.start) for mark in "(,)")
+    words = (token_of("reinit", w.before.start), begin, w.before, comma, *inner, close)
+    return w.token, w.token, remedy, Repair(w.position - 1, len(inner) + 2, words)
 
 
 def step_by_one(w: Where) -> Explained | None:

@@ -83,16 +83,6 @@ def test_chattering_is_reported(pull: str) -> None:
     assert "der(x) passes 0" in run.message and "tanh(v/v0)" in run.message
 
 
-def test_a_sliding_block_sticks() -> None:
-    """v0^2/(2 mu g) far, and nothing drives it then: the branch between both."""
-    run = model("force f = {-3 [N]*sign(der(x)), 0, 0} at b;", "x(start = 0 [m], rate = 2 [m/s])").simulate(
-        5.0, accuracy=1e-9
-    )
-    assert run.status == "ok"
-    assert run["x"][-1] == pytest.approx(2.0 / 3.0, rel=1e-9)
-    assert abs(run["der(x)"][-1]) < 1e-9
-
-
 def test_equations_may_end_at_a_crossing() -> None:
     """sqrt(x) has no value beyond 0: v^2 = 1 + 2 (1 - 2/3) there."""
     run = model(

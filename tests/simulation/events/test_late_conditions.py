@@ -54,20 +54,6 @@ def test_a_string_goes_slack(backend: str, method: str) -> None:
     assert abs(run.final["T"]) < 1e-6
 
 
-def test_a_bead_leaves_a_sphere_by_the_sign_of_its_reaction() -> None:
-    """cos(theta) = 2/3 cos(theta0) (D. T. Greenwood, Principles of Dynamics, 1988)."""
-    text = """model Bead
-      coordinate Length x(start = 0.1 [m], fixed = true, rate = 0), z(start = 0.99 [m]);
-      body bead = Particle(mass = 2 [kg], at = {x, 0, z});
-      constraint touch: norm(position(bead)) = 1 [m];
-      Gravity field(g = 9.81 [m/s2]);
-      when reaction(touch) < 0 then terminate("leaves"); end when;
-    end Bead;"""
-    run = lagc.loads(text).compile(backend="numpy").simulate(3.0, accuracy=1e-9)
-    assert run.status == "terminated" and run.estimated is not None
-    assert abs(run.final["z"] - 2.0 / 3.0 * math.sqrt(0.99)) <= run.estimated
-
-
 @pytest.mark.parametrize("force", [5.0, 20.0, 29.0])
 def test_a_string_breaks_at_a_force(force: float) -> None:
     """cos(theta) = F/(3 m g), for a force that holds a parameter."""

@@ -26,8 +26,7 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     xdot[1] = -(sc0[0] * p->prepared[0]);
     health[0] = 1.0;
     health[1] = 0.0;
-    (void)(t);
-    (void)(lam);
+    (void)t; (void)lam;
 }
 
 /* mass matrix, forces and constraint equations */
@@ -37,9 +36,7 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     M[0] = p->prepared[1];
     lagc_real sc0[2]; lagc_sine_cosine(x[0], sc0);
     r[0] = -(sc0[0] * p->prepared[2]);
-    (void)(t);
-    (void)(G);
-    (void)(gamma);
+    (void)t; (void)G; (void)gamma;
 }
 
 /* energies */
@@ -55,7 +52,7 @@ static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real 
     e[1] = -t1;
     /* energy of the balance */
     e[2] = t0 - t1;
-    (void)(t);
+    (void)t;
 }
 
 /* outputs of the model */
@@ -63,11 +60,7 @@ static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *
 {
     /* E */
     y[0] = e[0] + e[1];
-    (void)(p);
-    (void)(t);
-    (void)(x);
-    (void)(a);
-    (void)(lam);
+    (void)p; (void)t; (void)x; (void)a; (void)lam;
 }
 
 /* start values and guesses */
@@ -77,5 +70,5 @@ static void lagc_fn_start(const lagc_params *p, lagc_real *x)
     x[0] = 1.0471975511965976;
     /* der(theta) */
     x[1] = 0.0;
-    (void)(p);
+    (void)p;
 }

@@ -56,7 +56,7 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     xdot[3] = t11;
     health[8] = t11;
     health[1] = 0.0;
-    (void)(t);
+    (void)t;
 }
 
 /* what a solution leaves of its right-hand side */
@@ -102,7 +102,7 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     G[1] = z / t1;
     const lagc_real t2 = (der_x * x_) + (der_z * z);
     gamma[0] = -(((der_x * der_x) + (der_z * der_z) - (t2 * t2 / t0)) / t1);
-    (void)(t);
+    (void)t;
 }
 
 /* entries of [M G^T; G 0] into w */
@@ -116,7 +116,7 @@ static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real 
     const lagc_real t0 = sqrt((x_ * x_) + (z * z));
     w[2] = x_ / t0;
     w[3] = z / t0;
-    (void)(t);
+    (void)t;
 }
 
 /* L D L^T of the matrix that `assemble` left in w */
@@ -178,7 +178,7 @@ static void lagc_fn_position(const lagc_params *p, lagc_real t, const lagc_real 
     const lagc_real z = x[1];
     /* string, string_pendulum.lag:21 */
     phi[0] = sqrt((x_ * x_) + (z * z)) - p->l;
-    (void)(t);
+    (void)t;
 }
 
 /* rates of the constraint equations */
@@ -188,8 +188,7 @@ static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real 
     const lagc_real z = x[1];
     /* string, string_pendulum.lag:21 */
     psi[0] = ((x_ * x[2]) + (z * x[3])) / sqrt((x_ * x_) + (z * z));
-    (void)(p);
-    (void)(t);
+    (void)p; (void)t;
 }
 
 /* size of the terms of each constraint equation */
@@ -201,7 +200,7 @@ static void lagc_fn_scales(const lagc_params *p, lagc_real t, const lagc_real *x
     const lagc_real t1 = z * z;
     const lagc_real t2 = sqrt(t0 + t1);
     s[0] = fabs(t2) + (fabs(t0 / t2) + (fabs(t1 / t2) + 1e-300)) + p->prepared[4];
-    (void)(t);
+    (void)t;
 }
 
 /* size of the terms of each row's gamma */
@@ -217,8 +216,7 @@ static void lagc_fn_gamma_sizes(const lagc_params *p, lagc_real t, const lagc_re
     const lagc_real t5 = (x_ * x_) + (z * z);
     const lagc_real t6 = ((t1 * 4.0) + (4.0 * t3) + ((t1 * 2.0) + (t3 * 2.0))) * 0.5;
     s[0] = (t6 + (t4 * t4 / fabs(t5) * 3.0)) / fabs(sqrt(t5));
-    (void)(p);
-    (void)(t);
+    (void)p; (void)t;
 }
 
 /* size of the terms of each row's gradient */
@@ -227,8 +225,7 @@ static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc
     const lagc_real x_ = x[0];
     const lagc_real z = x[1];
     s[0] = ((fabs(x_) * 2.0) + (2.0 * fabs(z))) / fabs(sqrt((x_ * x_) + (z * z))) * 0.5;
-    (void)(p);
-    (void)(t);
+    (void)p; (void)t;
 }
 
 /* reach of each constraint equation */
@@ -246,7 +243,7 @@ static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *
     const lagc_real t2 = lagc_max(0.0, size2 / (size1 + 1e-300));
     s[1] = (t1 * size2) + (fabs(t2 * p->l) + (1e-300 + fabs(t0 * t2)));
     s[2] = c[0];
-    (void)(t);
+    (void)t;
 }
 
 /* energies */
@@ -262,7 +259,7 @@ static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real 
     e[1] = t1;
     /* energy of the balance */
     e[2] = t0 + t1;
-    (void)(t);
+    (void)t;
 }
 
 /* outputs of the model */
@@ -272,10 +269,7 @@ static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *
     y[0] = -lam[0];
     /* E */
     y[1] = e[0] + e[1];
-    (void)(p);
-    (void)(t);
-    (void)(x);
-    (void)(a);
+    (void)p; (void)t; (void)x; (void)a;
 }
 
 /* start values and guesses */
@@ -316,7 +310,7 @@ static void lagc_fn_conditions(const lagc_params *p, lagc_real t, const lagc_rea
     J[3] = (der_z - (z * t6)) / t1;
     sizes[0] = fabs(t1) + p->prepared[4];
     sizes[1] = fabs(t3);
-    (void)(t);
+    (void)t;
 }
 
 /* stated rates, sizes of parameters */
@@ -324,7 +318,7 @@ static void lagc_fn_measures(const lagc_params *p, lagc_real *s, lagc_real *larg
 {
     largest[1] = 0.0;
     largest[0] = lagc_max(0.0, fabs(p->l));
-    (void)(s);
+    (void)s;
 }
 
 /* divisors that may come near zero */
@@ -333,8 +327,7 @@ static void lagc_fn_poles(const lagc_params *p, lagc_real t, const lagc_real *x,
     const lagc_real x_ = x[0];
     const lagc_real z = x[1];
     e[0] = (x_ * x_) + (z * z);
-    (void)(p);
-    (void)(t);
+    (void)p; (void)t;
 }
 
 /* bounds of these in a box */
@@ -350,5 +343,5 @@ static void lagc_fn_pole_bounds(const lagc_params *p, const lagc_real *box, lagc
     const lagc_real t2 = lagc_max(-box1, box6);
     const lagc_real t3 = lagc_max(-box2, box7);
     e[1] = (t2 * t2) + (t3 * t3);
-    (void)(p);
+    (void)p;
 }
