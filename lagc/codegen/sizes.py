@@ -12,8 +12,9 @@ from lagc.kernels import IMPLICIT, METHODS, MOST_ACTS, SERIES
 from lagc.lowering.program import Interface
 
 CONSTANT_SIZES = {"TWO": 2, "THREE": 3, "FOUR": 4, "SEVEN": 7, "NK": 16, "ND": 8, "NTERM": 41}
-# Sizes without a name in generated C: expressions of other sizes, for numbers or for their text in C.
-DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
+SPELLED = {name: str(number) for name, number in CONSTANT_SIZES.items()}  # in C, where they have no name
+# Sizes that other sizes determine.
+DERIVED: dict[str, Callable[[Mapping[str, int]], int]] = {
     "NM": lambda n: n["NV"] * (n["NV"] + 1) // 2, "NG": lambda n: n["NC"] * n["NV"],
     "NR": lambda n: n["NV"] + n["NC"], "NTIED": lambda n: n["NH"] + n["NC"],
     "NREACH": lambda n: n["NC"] + n["NH"] + n["NGROUP"],
@@ -29,40 +30,6 @@ DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NDELASSUS": lambda n: (n["NCON"] + n["NSLIP"]) * (n["NCON"] + n["NSLIP"]),
     "NDIRECT": lambda n: n["NCON"] * 2,
 }  # fmt: skip
-
-
-class _InC:
-    """An expression in C."""
-
-    def __init__(self, text: object, is_sum: bool = False):
-        self.text, self.is_sum = str(text), is_sum
-
-    def _factor(self) -> str:
-        return f"({self.text})" if self.is_sum else self.text
-
-    def __add__(self, other: object) -> _InC:
-        return _InC(f"{self.text} + {_spelled(other).text}", True)
-
-    def __mul__(self, other: object) -> _InC:
-        return _InC(f"{self._factor()} * {_spelled(other)._factor()}")
-
-    def __floordiv__(self, other: object) -> _InC:
-        return _InC(f"{self._factor()} / {_spelled(other)._factor()}")
-
-
-def _spelled(value: object) -> _InC:
-    return value if isinstance(value, _InC) else _InC(value)
-
-
-class _NamesInC(dict[str, _InC]):
-    def __missing__(self, name: str) -> _InC:
-        return _InC(CONSTANT_SIZES.get(name, f"LAGC_{name}"))
-
-
-SPELLED = {  # in C
-    **{name: str(number) for name, number in CONSTANT_SIZES.items()},
-    **{name: formula(_NamesInC()).text for name, formula in DERIVED.items()},
-}
 
 
 def sizes_of(interface: Interface) -> dict[str, int]:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from lagc.codegen.kernel_compiler.c import CPrinter, snake
+from lagc.codegen.kernel_compiler.c import CPrinter, copies, snake
 from lagc.codegen.kernel_compiler.compiler import definitions
 from lagc.codegen.kernel_compiler.library import library
 from lagc.codegen.kernel_compiler.real_types import DOUBLE
@@ -62,15 +62,16 @@ class Kernels:
     def c(self, folder: Path) -> dict[str, Any]:
         """Return the kernels compiled by gcc, likewise."""
         printer = CPrinter(DOUBLE, SPELLED, {})
-        numbers = {"NCON": self.sizes["NCON"], "NSLIP": self.sizes["NSLIP"]}
+        numbers = dict[str, Any](self.sizes)
         numbers.update({part.name: part.text for part in self.use.constants})
-        text = ["#include <math.h>", "#include <stddef.h>"]
+        text = [DOUBLE.includes + "#include <stddef.h>"]
         text += [f"#define LAGC_{name} {value}" for name, value in numbers.items()]
         for record, members in self.members.items():
             text += ["typedef struct {"]
-            text += [f"    {printer.declared(kind, name)};" for name, kind in members]
+            text += [f"    {printer.member(kind, name)};" for name, kind in members]
             text += [f"}} lagc_{snake(record)};"]
-        text += [part.text for part in self.use.functions]
+        kernels = "".join(part.text for part in self.use.functions)
+        text += [*(own.replace("lagc_real", "double") for own in copies(kernels)), kernels]
         for name in ROOTS:
             more = ", lagc_impact_work *a" if name == "impact" else ""
             given = "law, a" if name == "impact" else "law"

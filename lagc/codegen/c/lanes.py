@@ -19,7 +19,7 @@ from lagc.codegen.kernel_compiler.lanes import LANES, LanePrinter
 from lagc.codegen.kernel_compiler.library import Library, library
 from lagc.codegen.kernel_compiler.parts import Part
 from lagc.codegen.kernel_compiler.real_types import DOUBLE
-from lagc.codegen.sizes import SPELLED, flags_of, sizes_of
+from lagc.codegen.sizes import CONSTANT_SIZES, flags_of, sizes_of
 from lagc.lowering.program import Interface
 
 METHOD = "dop853"
@@ -348,8 +348,8 @@ def _records(
     """Return the records that functions over vectors use, with the members that they use."""
     fields = [*members(interface), *([f"prepared[{interface.prepared}]"] if interface.prepared else [])]
     used = set(re.findall(r"(?:->|\.)([A-Za-z]\w*)", "".join(functions)))
-    sizes = {n: str(max(size, 1)) for n, size in sizes_of(interface).items()}
-    printer = LanePrinter({**SPELLED, **sizes}, {})
+    sizes = {n: str(max(size, 1)) for n, size in {**CONSTANT_SIZES, **sizes_of(interface)}.items()}
+    printer = LanePrinter(sizes, {})
     found = [f"typedef struct {{ Wide {', '.join(fields)}; }} WideParams;\n"]
     for part in kernels.chosen(["State", "Work"], flags).records:
         own = [printer.declared(tuple(kind), name) for name, kind, *_ in part.members if name in used]

@@ -155,9 +155,9 @@ class Runtime:
     def definitions(self, header: str) -> list[str]:
         """Return constants, tables and functions for the source, without constants of the header."""
         values, names = tables_of(self.program.interface), self.use.names
-        spelled = " ".join([SPELLED[name] for name in names if name in SPELLED])
-        used = {*names, *re.findall(r"LAGC_(\w+)", spelled)}
-        own = [n for n in self.sizes if n in used and n not in self.public and n not in SPELLED]
+        text = "".join([*(part.text for part in self.use.functions), *(f.body for f in self.functions)])
+        used = set(re.findall(r"LAGC_(\w+)", text)) - self.public
+        own = [name for name in self.sizes if name in used]
         sizes = fill(", ".join(f"LAGC_{n} = {self.sizes[n]}" for n in own), 98, initial_indent="    ",
                      subsequent_indent="    ")  # fmt: skip
         found = [f"enum {{ /* sizes */\n{sizes}\n}};\n" if own else "", _work(self.program)]
@@ -166,7 +166,7 @@ class Runtime:
         found += [text for name, text in self._records().items() if name not in public]
         if "fn_convolve" in names:
             found.append(convolution(self.sizes["NLANE"], self.sizes["NSQUARE"], self.real))
-        found += copies("".join(part.text for part in self.use.functions))
+        found += copies(text)
         found += [_OBSERVE] if "fn_observe" in names else []
         found += [_COPY_STATE] if "fn_copy_state" in names else []
         declared = set(re.findall(r"LAGC_(\w+)", header))
@@ -197,8 +197,7 @@ class Runtime:
 
     def _records(self) -> dict[str, str]:
         """Return the struct of each record; C has no arrays of size 0, so these get size 1."""
-        named = {*self.public, *SPELLED}
-        numbers = {n: str(max(size, 1)) for n, size in self.sizes.items() if size == 0 or n not in named}
+        numbers = {n: str(max(size, 1)) for n, size in self.sizes.items() if not (size and n in self.public)}
         printer = CPrinter(self.real, {**SPELLED, **numbers}, {})
         found = {}
         for part in self.use.records:

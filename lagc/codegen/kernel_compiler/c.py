@@ -32,12 +32,11 @@ _OPERATORS = {
 
 
 class CPrinter:
-    """Prints with `lagc_` and `LAGC_` before each name of the interface. `derived`: sizes that are
-    expressions of others; `constants`: their text."""
+    """Prints with `lagc_` and `LAGC_` before each name of the interface. `numbers`: sizes that have no name;
+    `constants`: their text."""
 
-    def __init__(self, real: Arithmetic, derived: Mapping[str, str], constants: Mapping[str, str]):
-        self.real, self.derived = real, derived
-        self.constants = constants
+    def __init__(self, real: Arithmetic, numbers: Mapping[str, str], constants: Mapping[str, str]):
+        self.real, self.numbers, self.constants = real, numbers, constants
 
     # -- declarations --
 
@@ -52,13 +51,7 @@ class CPrinter:
         return (f"lagc_{snake(kind[1])}" if name is None else name) + " "
 
     def size(self, name: str) -> str:
-        return self.named(name)[0]
-
-    def named(self, name: str) -> tuple[str, int]:
-        if name in self.derived:
-            text = self.derived[name]
-            return text, PRODUCT if "*" in text else SUM if " " in text else ATOM
-        return f"LAGC_{name}", ATOM
+        return self.numbers.get(name, f"LAGC_{name}")
 
     def member(self, kind: Type, name: str) -> str:
         """Return the declaration of a member; truth values are ints for callers in other languages."""
@@ -92,14 +85,11 @@ class CPrinter:
         self.block(types.body, "    ", lines)
         if lines[-1:] == ["    return;"]:
             lines.pop()
-        lead = "" if types.function.public else "".join(f"/* {line} */\n" for line in types.function.lead)
-        doc = (
-            ""
-            if types.function.public
-            else block_comment(fill(first_sentence(self.spelled(types.function.doc)), 98))
-        )
+        doc = ""
+        if not types.function.public:  # the header has these
+            doc = block_comment(fill(first_sentence(self.spelled(types.function.doc)), WIDTH))
         body = "\n".join(folded(line) for line in lines if line.strip())
-        return f"{lead}{doc}{self.head(types)}\n{{\n{body}\n}}\n"
+        return f"{doc}{self.head(types)}\n{{\n{body}\n}}\n"
 
     def spelled(self, text: str) -> str:
         """Write members of records in comments as in C: w->rank."""
@@ -174,9 +164,8 @@ class CPrinter:
         test = f"{i} < {limit}"
         if len(args) == 3:
             test = f"{i} >= 0" if limit == "-1" else f"{i} > {limit}"
-        out.append(
-            f"{indent}for ({self.ctype(kind)}{i} = {first}; {test}; {i}{'--' if len(args) == 3 else '++'})"
-        )
+        step = "--" if len(args) == 3 else "++"
+        out.append(f"{indent}for ({self.ctype(kind)}{i} = {first}; {test}; {i}{step})")
         self.braced(node.body, indent, out)
 
     def stays(self, end: ast.expr, body: Sequence[ast.stmt]) -> bool:
@@ -223,12 +212,10 @@ class CPrinter:
         if getattr(value, "type", VOID) == PAIR:
             out.append(f"{indent}{self.text(value)[:-1]}, {place});")
             return
-        source = self.text(value)
-        if isinstance(value, ast.Call):
-            source = self.text(value.args[0]) + self.offset(value.args[1])
+        source, offset = value.args[:2] if isinstance(value, ast.Call) else (value, None)
         count = self.length(cut.lower, cut.upper) if cut.upper else self.size(kind[1])
         name = "copy_numbers" if kind[0] == "IVec" else "copy"
-        out.append(f"{indent}lagc_{name}({place}, {source}, {count});")
+        out.append(f"{indent}lagc_{name}({place}, {self.text(source)}{self.offset(offset)}, {count});")
 
     def offset(self, first: ast.expr | None) -> str:
         """Return what leads from a vector to its part from `first` on."""
@@ -244,39 +231,33 @@ class CPrinter:
 
     def pointed(self, node: ast.expr) -> str:
         """Return the struct of parameters itself, not a pointer."""
-        return (
-            self.text(node) if isinstance(node, ast.Attribute) or self.is_own(node) else f"*{self.text(node)}"
-        )
+        return self.text(node) if self.is_own(node) else f"*{self.text(node)}"
 
     def is_own(self, node: ast.expr) -> bool:
-        """Return whether an expression is a local record or struct of parameters, not a pointer to one."""
-        return isinstance(node, ast.Name) and self.is_held(node.id)
+        """Return whether an expression is a record or struct of parameters itself, not a pointer to one."""
+        return isinstance(node, ast.Attribute) or self.is_held(identifier(node))
 
     def is_held(self, name: str) -> bool:
         return name in self.now.locals and name not in self.now.roots
 
     def passed(self, node: ast.expr, wanted: Type) -> str:
         """Return an argument, or the value of a local: of a record its address."""
-        is_struct = wanted[0] in ("Record", "Params") and (
-            isinstance(node, ast.Attribute) or self.is_own(node)
-        )
+        is_struct = wanted[0] in ("Record", "Params") and self.is_own(node)
         return ("&" if is_struct else "") + self.converted(node, wanted)
 
     def branch(self, node: ast.If, indent: str, out: list[str]) -> None:
         """Print a chain of tests."""
         word, now = indent, node
         while True:
-            trail: str = getattr(now, "trail", "")
-            note = f" /* {trail} */" if trail and word != indent else ""
-            out.append(f"{word}if ({self.condition(now.test)}) {{{note}")
+            out.append(f"{word}if ({self.condition(now.test)}) {{")
             self.block(now.body, indent + "    ", out)
-            other = now.orelse
-            if len(other) == 1 and isinstance(other[0], ast.If) and not getattr(other[0], "lead", ()):
-                word, now = f"{indent}}} else ", other[0]
-                continue
-            if other:
-                out.append(f"{indent}}} else {{")
-                self.block(other, indent + "    ", out)
+            match now.orelse:
+                case [ast.If() as other]:
+                    word, now = f"{indent}}} else ", other
+                    continue
+                case [_, *_] as others:
+                    out.append(f"{indent}}} else {{")
+                    self.block(others, indent + "    ", out)
             out.append(indent + "}")
             return
 
@@ -334,8 +315,7 @@ class CPrinter:
             case ast.Name(id=name):
                 return self.name(name)
             case ast.Attribute(value=value, attr=attr):
-                inside = isinstance(value, ast.Attribute) or self.is_own(value)
-                return f"{self.text(value)}{'.' if inside else '->'}{attr}", ATOM
+                return f"{self.text(value)}{'.' if self.is_own(value) else '->'}{attr}", ATOM
             case ast.Subscript(value=value, slice=index):
                 return self.entry(value, index)
             case ast.BinOp(left=left, op=op, right=right):
@@ -343,18 +323,14 @@ class CPrinter:
                 kind: Type = node.type  # type: ignore[attr-defined]
                 if isinstance(op, ast.BitAnd | ast.RShift):  # compilers warn without parentheses
                     return f"{self.operand(left, kind, ATOM)} {sign} {self.operand(right, kind, ATOM)}", binds
-                return (
-                    f"{self.operand(left, kind, binds)} {sign} {self.operand(right, kind, binds, True)}",
-                    binds,
-                )
+                left_, right_ = self.operand(left, kind, binds), self.operand(right, kind, binds, True)
+                return f"{left_} {sign} {right_}", binds
             case ast.Compare(left=left, ops=[op], comparators=[right]):
                 sign, binds = _OPERATORS[type(op)]
                 kinds = (left.type, right.type)  # type: ignore[attr-defined]
                 common = next((k for k in (REAL, *reversed(WHOLE)) if k in kinds), None)
-                return (
-                    f"{self.operand(left, common, binds)} {sign} {self.operand(right, common, binds)}",
-                    binds,
-                )
+                ends = [self.operand(n, common, binds) for n in (left, right)]
+                return f" {sign} ".join(ends), binds
             case ast.BoolOp(op=op, values=values):
                 sign, binds = ("&&", AND) if isinstance(op, ast.And) else ("||", OR)
                 return f" {sign} ".join(self.condition(v, binds) for v in values), binds
@@ -379,22 +355,16 @@ class CPrinter:
             return self.constants[name], ATOM
         if name in self.now.known.tables:
             return f"lagc_{name}", ATOM
-        return (self.real.infinity, ATOM) if name == "inf" else self.named(name)
+        return self.real.infinity if name == "inf" else self.size(name), ATOM
 
     def entry(self, value: ast.expr, index: ast.expr) -> tuple[str, int]:
         # Rows of a caller are one block; a struct of parameters is read as an array of reals.
         kind: Type = value.type  # type: ignore[attr-defined]
         if kind[0] == "Rows":
-            return (
-                f"({self.text(value)} + ({self.operand(index, None, PRODUCT)} * {self.size(kind[1])}))",
-                ATOM,
-            )
+            row = f"{self.operand(index, None, PRODUCT)} * {self.size(kind[1])}"
+            return f"({self.text(value)} + ({row}))", ATOM
         if kind[0] == "Params":  # all members are reals
-            pointer = (
-                f"&{self.text(value)}"
-                if isinstance(value, ast.Attribute) or self.is_own(value)
-                else self.text(value)
-            )
+            pointer = self.passed(value, kind)
             written = self.now.is_written(root(value))
             return f"(({'' if written else 'const '}{self.real.name} *){pointer})[{self.text(index)}]", ATOM
         return f"{self.text(value)}[{self.text(index)}]", ATOM

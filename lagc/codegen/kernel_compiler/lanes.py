@@ -20,8 +20,8 @@ LANES = "lanes"  # the language
 class LanePrinter(CPrinter):
     """Prints `Wide` for reals, `Mask` for truth values and counts, `WideState` for records."""
 
-    def __init__(self, derived: Mapping[str, str], constants: Mapping[str, str]):
-        super().__init__(replace(DOUBLE, name="Wide"), derived, constants)
+    def __init__(self, numbers: Mapping[str, str], constants: Mapping[str, str]):
+        super().__init__(replace(DOUBLE, name="Wide"), numbers, constants)
 
     def ctype(self, kind: Type) -> str:
         if kind in (BOOL, COUNT):

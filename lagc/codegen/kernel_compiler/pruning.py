@@ -26,8 +26,9 @@ class Short(NamedTuple):
 def short(parameters: tuple[str, ...], body: list[ast.stmt], constants: Collection[str]) -> Short | None:
     """Return what a kernel with this body needs if that is nothing, a number, or a call of another kernel
     with no more arguments, which are parameters and members of them; else None."""
-    match body:
-        case [] | [ast.Return(value=None)]:
+    *before, last = body or [ast.Return(None)]
+    match before if isinstance(last, ast.Return) and last.value is None else body:
+        case []:
             return Short(parameters, None)
         case [ast.Return(value=ast.expr() as value) | ast.Expr(value=value)]:
             nodes = list(ast.walk(value))

@@ -10,7 +10,7 @@ import ast
 from collections.abc import Mapping
 from copy import copy
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeVar
 
 from lagc.codegen.kernel_compiler.kernel_syntax import Outside, clone, exact, identifier
 from lagc.codegen.kernel_compiler.pruning import Pruning
@@ -22,12 +22,8 @@ SAME_WITHOUT = {
     "motion_at": ("NLOADED", "rhs_at"), "put_on_constraints": ("NCON", "project"),
     "pass_event": ("NCON", "handle_event"),
 }  # fmt: skip
-# Kernels that are another one, of fewer arguments: name -> (size, other name, its arguments).
-FEWER_WITHOUT = {
-    "indicators_at": ("NLATE", "fn_indicators_on", 5),
-    "indicator_rates_at": ("NLATE", "fn_indicator_rates_on", 6),
-}
 Flags = Mapping[str, bool]
+N = TypeVar("N", bound=ast.AST)
 
 
 class NotStatic(Exception):
@@ -67,27 +63,15 @@ class Statics:
     def statement(self, node: ast.stmt) -> list[ast.stmt]:
         if isinstance(node, ast.If):
             return self.branch(node)
-        if (
-            isinstance(node, ast.For)
-            and isinstance(node.iter, ast.Call)
-            and identifier(node.iter.func) == "static"
-        ):
-            if not isinstance(node.target, ast.Name):
-                raise Outside(self.file, node, "a static loop has one name")
-            out = []
-            for value in self.value(node.iter.args[0], node):
-                inner = copy(self)
-                inner.known = {**self.known, node.target.id: value}
-                out += inner.block(node.body)
-            return out
-        found = _bare(node)
-        for name, value in ast.iter_fields(node):
-            if name in ("body", "orelse"):
-                setattr(found, name, self.block(value))
-            elif isinstance(value, ast.expr):
-                setattr(found, name, self.expression(value))
-            elif isinstance(value, list) and value and isinstance(value[0], ast.expr):
-                setattr(found, name, [self.expression(v) for v in value])
+        match node:
+            case ast.For(target=ast.Name(id=name), iter=ast.Call(func=ast.Name(id="static"), args=[values])):
+                out = []
+                for value in self.value(values, node):
+                    inner = copy(self)
+                    inner.known = {**self.known, name: value}
+                    out += inner.block(node.body)
+                return out
+        found = self.parts(node)
         # A call that became a number or nothing, and a loop without a body.
         is_idle = isinstance(found, ast.Expr) and not isinstance(found.value, ast.Call)
         return [] if is_idle or (isinstance(found, ast.For) and not found.body) else [found]
@@ -99,7 +83,6 @@ class Statics:
         if isinstance(test, bool):
             return self.block(node.body if test else node.orelse)
         found = _bare(node)
-        assert isinstance(found, ast.If)
         found.test, found.body, found.orelse = test, self.block(node.body), self.block(node.orelse)
         return self.pruning.choice(found)
 
@@ -117,17 +100,18 @@ class Statics:
             return self.expression(ast.copy_location(equal, node))
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
             inner = self.test(node.operand)
-            return (
-                not inner
-                if isinstance(inner, bool)
-                else ast.copy_location(ast.UnaryOp(ast.Not(), inner), node)
-            )
+            if isinstance(inner, bool):
+                return not inner
+            return ast.copy_location(ast.UnaryOp(ast.Not(), inner), node)
         if isinstance(node, ast.BoolOp):
-            absorbing, left = isinstance(node.op, ast.Or), []
+            absorbing, left = isinstance(node.op, ast.Or), list[ast.expr]()
             for part in node.values:
                 value = self.test(part)
                 if value is absorbing:
-                    return absorbing
+                    if not any(map(self.pruning.is_acting, left)):
+                        return absorbing
+                    left.append(ast.copy_location(ast.Constant(value), node))
+                    break
                 if not isinstance(value, bool):
                     left.append(value)
             if not left:
@@ -153,12 +137,6 @@ class Statics:
 
     def expression(self, node: ast.expr) -> ast.expr:
         # Kernels that are another one without some size.
-        if isinstance(node, ast.Call) and identifier(node.func) in FEWER_WITHOUT:
-            flag, other, count = FEWER_WITHOUT[identifier(node.func)]
-            if not self.flags[flag]:
-                function = ast.copy_location(ast.Name(other, ast.Load()), node)
-                plain = ast.Call(function, node.args[:count], [])
-                return self.expression(ast.copy_location(plain, node))
         if isinstance(node, ast.Name) and node.id in SAME_WITHOUT:
             flag, other = SAME_WITHOUT[node.id]
             if not self.flags[flag]:
@@ -197,14 +175,20 @@ class Statics:
                 if isinstance(value, int | Fraction):
                     return _number(value, node)
         # All else is copied with its parts specialised.
+        found = self.parts(node)
+        return self.pruning.call(found) if isinstance(found, ast.Call) else found
+
+    def parts(self, node: N) -> N:
+        """Return a copy with specialised parts."""
         found = _bare(node)
         for name, value in ast.iter_fields(node):
-            if isinstance(value, ast.expr):
+            if name in ("body", "orelse") and isinstance(value, list):
+                setattr(found, name, self.block(value))
+            elif isinstance(value, ast.expr):
                 setattr(found, name, self.expression(value))
             elif isinstance(value, list) and value and isinstance(value[0], ast.expr):
                 setattr(found, name, [self.expression(v) for v in value])
-        assert isinstance(found, ast.expr)
-        return self.pruning.call(found) if isinstance(found, ast.Call) else found
+        return found
 
     def combination(self, node: ast.Call) -> ast.expr:
         """Return c_1 * k[0][i] + c_2 * k[1][i] ..., from left to right, without zeros."""
@@ -273,7 +257,7 @@ _COMPARISONS: dict[type, Any] = {
 }  # fmt: skip
 
 
-def _bare(node: Any) -> Any:
+def _bare(node: N) -> N:
     """Return a copy that shares the children of the original."""
     found = node.__class__.__new__(node.__class__)
     found.__dict__.update(node.__dict__)

@@ -302,16 +302,9 @@ class Types:
                 owner = self.of(value)
                 if self.of(index) not in WHOLE:
                     raise self.fail(node, f"an index is an integer: {ast.unparse(node)}")
+                row, plain = ("Vec", owner[-1]), {"Vec": REAL, "Params": REAL, "IVec": INT, "Cell": owner[1:]}
                 if owner[0] in (*ARRAYS, "Cell", "Params"):
-                    row = ("Vec", owner[-1])
-                    return {
-                        "Vec": REAL,
-                        "Params": REAL,
-                        "IVec": INT,
-                        "Mat": row,
-                        "Rows": row,
-                        "Cell": owner[1:],
-                    }[owner[0]]
+                    return plain.get(owner[0], row)
             case ast.BinOp(left=left, op=op, right=right):
                 return self.binary(node, op, self.of(left), self.of(right))
             case ast.UnaryOp(op=ast.USub(), operand=operand):

@@ -6,7 +6,7 @@ import ast
 from collections.abc import Iterator, Mapping
 
 from lagc.codegen.kernel_compiler.kernel_syntax import Function, identifier, roots
-from lagc.codegen.kernel_compiler.specialization import FEWER_WITHOUT, SAME_WITHOUT
+from lagc.codegen.kernel_compiler.specialization import SAME_WITHOUT
 from lagc.codegen.kernel_compiler.type_check import Signature
 from lagc.kernels import METHODS
 
@@ -47,4 +47,4 @@ def _callees(call: ast.Call, prefix: str) -> Iterator[str]:
     name = identifier(call.func)
     while name:
         yield from (name, prefix + name)
-        name = FEWER_WITHOUT[name][1] if name in FEWER_WITHOUT else SAME_WITHOUT.get(name, ("", ""))[1]
+        name = SAME_WITHOUT.get(name, ("", ""))[1]

@@ -42,6 +42,8 @@ def indicators_at(
 ) -> None:
     """Compute the event indicators at (t, x) in w.modes; a late one is 0 where it has no value."""
     fn_indicators_on(p, t, x, modes, found)
+    if not NLATE > 0:
+        return
     known = late_at(p, t, x, s, w)
     for j in range(NLATE):
         found[late_relation(j)] = w.late.values[j] if known else 0.0
@@ -53,6 +55,8 @@ def indicator_rates_at(
     """Compute the rates of the event indicators for the rates of the state, at (t, x) in w.modes. That of a
     late one is 0 before the first step, and where it has no value."""
     fn_indicator_rates_on(p, t, x, modes, rates, found)
+    if not NLATE > 0:
+        return
     # A difference quotient backwards in time along the motion: the state before is x - time x'. Forwards it
     # might reach beyond the crossing.
     time = LATE_DIFFERENCE * s.h_old

@@ -53,6 +53,7 @@ class Passage:
             if run.status == INTERRUPTED:
                 raise KeyboardInterrupt
             t, x = self._from(self._changes(run).begun(t, x, self.start), times)
+            # To each event, or to shortly before it and then to it by the rates there; and across it.
             for event in self._events(run, times[0]):
                 before = self._beside(event, STICKS, ENDS * sqrt(self._tolerance), times)
                 s, near = self._between(t, x, event.t - before, s, times, progress, found)
@@ -68,6 +69,8 @@ class Passage:
                     raise Stopped("the repeated motion fails there")
         except Stopped as reason:
             found.message, found.lost = f"at t = {t:.6g} s: {reason}", reason.lost
+        except ArithmeticError as error:
+            found.message = f"at t = {t:.6g} s: {error}"
         except KeyboardInterrupt:
             found.message, found.interrupted = f"interrupted at t = {t:.6g} s", True
         found.end(self.groups, s)
