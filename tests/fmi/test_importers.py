@@ -92,7 +92,7 @@ def test_two_fmus_in_one_program(version: int, tmp_path: Path) -> None:
     assert subprocess.check_output([tmp_path / "main"], text=True).split() == 2 * [f"{version}.0"]
 
 
-def grouped(system: lagc.api.CompiledModel) -> list[list[str]]:
+def grouped(system: lagc.CompiledModel) -> list[list[str]]:
     """The states of the scaling group of each state."""
     interface = system.interface
     return [
