@@ -46,7 +46,7 @@ def of_system(system: Any) -> Any:
 
         return function
 
-    found.rhs_at = rhs_at
+    found.rhs_at = found.rhs_any_rank = rhs_at  # without constraints the first is a call of the second
     found.error_without_roundoff = lambda p, s, t, h, o, before, w: before
     found.assemble_at = lambda p, t, x, w: system.assemble(t, x)
     for name in ("position", "velocity", "scales", "reaches", "displace"):

@@ -4,8 +4,6 @@ Of many kernels a model with few features needs nothing, a number, or another ke
 that. Then go assignments to names that nothing reads, and tests and loops without a body.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Callable, Collection
 from typing import NamedTuple
