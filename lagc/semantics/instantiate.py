@@ -26,7 +26,6 @@ from lagc.semantics.names.scope import (
 )
 from lagc.semantics.units import NONE
 from lagc.semantics.values.evaluate import integer, integers
-from lagc.semantics.values.members import MOST_NAMED
 from lagc.syntax import tree
 
 ELEMENTS = ("Gravity", "Particle", "Solid")  # declared like instances, but not models
@@ -371,6 +370,8 @@ class Builder:
         return Part(inner)
 
     def _unknown_modifier(self, name: str, modifier: Modifier) -> Wrong:
+        from lagc.semantics.values.members import MOST_NAMED  # where there is a fault
+
         owner = self.instance.declaration.name
         span = modifier.argument.name_span or modifier.argument.span
         known = [n for n, e in self.instance.entries.items() if e.kind in _CHANGEABLE]

@@ -9,17 +9,6 @@ from lagc.diagnostics.faults import Fault, Wrong
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as objects
 from lagc.semantics.context import LATE, MOVING, Context
-from lagc.semantics.declarations.actions import (
-    condition,
-    declare_constraint,
-    declare_dissipation,
-    declare_frame,
-    declare_free_term,
-    declare_load,
-    declare_placeholder,
-    declare_point,
-    declare_potential,
-)
 from lagc.semantics.declarations.quantities import declare_quantity
 from lagc.semantics.instantiate import Builder
 from lagc.semantics.names.namespace import Importer, Namespace
@@ -184,6 +173,10 @@ def _probes(context: Context, texts: Sequence[str], environment: Environment) ->
 
 
 def _conditions(context: Context) -> list[objects.InitialCondition]:
+    if not context.conditions:
+        return []
+    from lagc.semantics.declarations.actions import condition  # where there are some
+
     found: list[objects.InitialCondition] = []
     for written, environment in context.conditions:
         context.attempt(lambda w, e: found.extend(condition(context, w, e)), written, environment)
@@ -343,6 +336,12 @@ def _without_kind(context: Context, entry: Entry) -> Value:
     return refuse_without_kind(context, entry)
 
 
+def _action(context: Context, entry: Entry) -> Value:
+    from lagc.semantics.declarations import actions  # where there are some
+
+    return actions.DECLARE[entry.kind](context, entry)
+
+
 def _body(context: Context, entry: Entry) -> Value:
     from lagc.semantics.declarations.bodies import declare_body, declare_gravity  # where there are some
 
@@ -365,7 +364,7 @@ def _constraint(context: Context, entry: Entry) -> Value:
     assert isinstance(entry.source, tree.Constraint)
     two_sided = entry.source.relation == "="
     if two_sided and all(argument.name == "by" for argument in entry.source.arguments):
-        return declare_constraint(context, entry)
+        return _action(context, entry)
     from lagc.semantics.declarations.contacts import declare_contact, declare_rough  # where there are some
 
     return declare_rough(context, entry) if two_sided else declare_contact(context, entry)
@@ -375,10 +374,9 @@ DECLARE: dict[str, Callable[[Context, Entry], Value]] = {
     **dict.fromkeys(("constant", "parameter", "structural", "input", "output"), declare_quantity),
     **dict.fromkeys(("coordinate", "speed", "discrete"), declare_quantity),
     "function": lambda context, entry: Reference(entry), "instance": _instance, "quantity": _without_kind,
-    "frame": declare_frame, "point": declare_point, "body": _body, "gravity": _body,
-    "potential": declare_potential, "kinetic": declare_free_term, "lagrangian": declare_free_term,
-    "dissipation": declare_dissipation, "force": declare_load, "torque": declare_load,
-    "constraint": _constraint, "joint": _joint, "placeholder": declare_placeholder, "draw": _figure,
+    **dict.fromkeys(("frame", "point", "potential", "kinetic", "lagrangian", "dissipation"), _action),
+    **dict.fromkeys(("force", "torque", "placeholder"), _action),
+    "constraint": _constraint, "body": _body, "gravity": _body, "joint": _joint, "draw": _figure,
 }  # fmt: skip
 
 

@@ -1,5 +1,7 @@
 """Declarations of frames, points, loads, energies and constraints, and placeholders for some of them."""
 
+from collections.abc import Callable
+
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Span, Wrong
 from lagc.semantics import model as objects
@@ -24,7 +26,6 @@ from lagc.semantics.names.scope import (
 )
 from lagc.semantics.units import ENERGY, FORCE, NONE, POWER, Dimension, M, describe, over, si_text, times
 from lagc.semantics.values.evaluate import Argument, all_values, both, each, evaluate, evaluate_as
-from lagc.semantics.values.members import element
 from lagc.semantics.values.unit_hints import expect_of, is_bare, unit_remedy
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector, sub
@@ -95,6 +96,8 @@ def declare_placeholder(context: Context, entry: Entry) -> Value:
     assert isinstance(source, tree.Placeholder) and written is not None
     value = evaluate_as(context, written, modifier.environment, M)
     if isinstance(value, Indexed) and modifier.index and not modifier.argument.each:
+        from lagc.semantics.values.members import element
+
         index = tree.Index(written, (written,) * len(modifier.index), written.span)
         value = element(context, value, list(modifier.index), index)
     if source.kind == "point":
@@ -426,3 +429,11 @@ def condition(
         if not node.is_zero:
             found.append(objects.InitialCondition(node, written.span))
     return found
+
+
+DECLARE: dict[str, Callable[[Context, Entry], Value]] = {
+    "frame": declare_frame, "point": declare_point, "potential": declare_potential,
+    "kinetic": declare_free_term, "lagrangian": declare_free_term, "dissipation": declare_dissipation,
+    "force": declare_load, "torque": declare_load, "constraint": declare_constraint,
+    "placeholder": declare_placeholder,
+}  # fmt: skip

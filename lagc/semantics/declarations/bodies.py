@@ -27,7 +27,6 @@ from lagc.semantics.names.scope import (
 from lagc.semantics.units import KG, NONE, M, S, dimension, over
 from lagc.semantics.values.calls import look_at_arguments, match
 from lagc.semantics.values.evaluate import Argument, each, evaluate, evaluate_as
-from lagc.semantics.values.frame_vectors import unit_vector
 from lagc.semantics.values.unit_hints import is_bare
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix, Vector, dot
@@ -269,6 +268,8 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
             remedy = f"for gravity along the negative axis write `direction = -world.{written.text[-1]}`"
             message = "a direction must be a vector {x, y, z}; this is a text"
             raise Wrong("LAG0306", message, written_direction.span, remedy)
+        from lagc.semantics.values.frame_vectors import unit_vector
+
         vector = vector_in(NONE, written, written_direction.span, "a direction")
         direction = unit_vector(context, vector, written_direction.span)
     if strength is not None and direction == (graph.zero, graph.zero, graph.const(-1.0)):

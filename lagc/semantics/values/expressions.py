@@ -22,7 +22,6 @@ from lagc.semantics.units import (
 )
 from lagc.semantics.values.calls import call, constant_outside, dotted_path, package_constant, shortest_call
 from lagc.semantics.values.evaluate import all_values, each, evaluate, integer, integers
-from lagc.semantics.values.members import element, member, part
 from lagc.semantics.values.unit_hints import is_bare, unit_remedy
 from lagc.symbolic.graph import Node
 from lagc.syntax import tree
@@ -349,6 +348,8 @@ def find(context: Context, name: str, environment: Environment, span: Span) -> V
 
 
 def _member(context: Context, e: tree.Member, environment: Environment) -> Value:
+    from lagc.semantics.values.members import member  # where there are some
+
     constant = package_constant(context, e, environment)
     if constant is not None:
         return constant
@@ -364,6 +365,8 @@ def _member(context: Context, e: tree.Member, environment: Environment) -> Value
 
 
 def _index(context: Context, e: tree.Index, environment: Environment) -> Value:
+    from lagc.semantics.values.members import element, part  # where there are some
+
     base = evaluate(context, e.base, environment)
     if isinstance(base, Scalar):
         _no_unit(e, environment)

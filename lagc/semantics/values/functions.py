@@ -22,7 +22,6 @@ from lagc.semantics.names.scope import (
 )
 from lagc.semantics.units import NONE, Dimension, S, describe, raised, si_text, times
 from lagc.semantics.values.evaluate import Argument
-from lagc.semantics.values.frame_vectors import length_of, unit_vector
 from lagc.symbolic import vectors
 from lagc.symbolic.graph import Node
 from lagc.symbolic.operators import END, ENTIRE, OPERATORS, POLE
@@ -216,6 +215,8 @@ def _cross(context: Context, span: Span, a: Argument, b: Argument) -> Value:
 
 @TABLE.enter("norm", "a")
 def _norm(context: Context, span: Span, a: Argument) -> Value:
+    from lagc.semantics.values.frame_vectors import length_of  # where there are some
+
     vector, dimension = numbers_of(a.value, a.span, "the argument of `norm`")
     length = length_of(context, vector) if len(vector) == 3 else vectors.norm(vector)
     return Scalar(length, dimension)
@@ -223,6 +224,8 @@ def _norm(context: Context, span: Span, a: Argument) -> Value:
 
 @TABLE.enter("normalize", "a")
 def _normalize(context: Context, span: Span, a: Argument) -> Value:
+    from lagc.semantics.values.frame_vectors import unit_vector  # where there are some
+
     vector, _ = vector_of(a.value, a.span, "the argument of `normalize`")
     return vector_value(unit_vector(context, vector, a.span), NONE)
 
