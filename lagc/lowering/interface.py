@@ -122,6 +122,8 @@ def _blocks(equations: EquationsOfMotion, loaded: bool) -> tuple[Block, ...]:
     """Return the blocks of contacts: systems whose motions do not depend on each other. All contacts are one
     block if loads depend on reactions, `loaded`, or if one is two-sided."""
     contacts, q, v = equations.contacts, equations.q, equations.v
+    if not contacts:
+        return ()
     rows = [row.multiplier for row in equations.rows]
     components = Components(equations)
     if loaded or any(contact.normals for contact in contacts):

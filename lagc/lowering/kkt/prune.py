@@ -67,8 +67,9 @@ class Components:
         self.read += [(together[0], reads)] if together else []
 
     def find(self, symbol: Node) -> Node:
-        while self.leader.setdefault(symbol, symbol) is not symbol:
-            symbol = self.leader[symbol]
+        # Path halving: each symbol on the way points two steps ahead afterwards (Tarjan and van Leeuwen 1984).
+        while (above := self.leader.setdefault(symbol, symbol)) is not symbol:
+            self.leader[symbol] = symbol = self.leader[above]
         return symbol
 
     def reached(self, symbols_: set[Node]) -> set[Node]:

@@ -12,6 +12,7 @@ long, those that were formed bound the number of relations.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import combinations, product
 from typing import NamedTuple, TypeAlias
 
 from lagc.base.records import dataclass, field
@@ -222,14 +223,16 @@ class _Test:
                 right = [-row.get(k, zero) for row in matrix]
                 solved = solve_rows(self.graph, matrix, right, list(rows.rows))
                 fields.append({x: self.graph.one, **{where[j]: node for j, node in solved.items()}})
-        # Brackets with the fields, of those that were new in the step before.
+        # Brackets of the fields, once a pair since [x, y] = -[y, x]; then with those new in the step before.
         reach = Echelon()
         latest = [x for x in fields if reach.grows(self._entries(x, point, truths))]
+        pairs: Iterable[tuple[Field, Field]] = combinations(fields, 2)
         while latest:
             if len(fields) * len(reachable([node for x in latest for node in x.values()])) > LONGEST:
                 return reach, False
-            brackets = (_bracket(self.graph, x, y) for x in fields for y in latest)
+            brackets = (_bracket(self.graph, x, y) for x, y in pairs)
             latest = [z for z in brackets if reach.grows(self._entries(z, point, truths))]
+            pairs = product(fields, latest)
         return reach, True
 
     def _annuls(self, form: Form, directions: Echelon) -> bool:

@@ -45,6 +45,10 @@ class Collector:
         return {a: k for k, a in enumerate(self.leading)}
 
     @cached_property
+    def _arguments(self) -> dict[int, tuple[Sum, ...]]:
+        return {}
+
+    @cached_property
     def _last(self) -> dict[int, int]:
         """The places of those that stand last."""
         return {a: k for k, a in enumerate(self.trailing)}
@@ -98,6 +102,12 @@ class Collector:
     def inside(self, p: Polynomial) -> Sum:
         """`p` as it stands inside a function: its first term positive where one is."""
         return Sum(positive_first(self._gathered(p)))
+
+    def arguments(self, atom: int) -> tuple[Sum, ...]:
+        """Return the arguments of a function as they stand inside it, which are made once."""
+        if atom not in self._arguments:
+            self._arguments[atom] = tuple([self.inside(dict(p)) for p in self.algebra.atoms[atom].args])
+        return self._arguments[atom]
 
     def _gathered(self, p: Polynomial) -> list[Product]:
         """Terms with the same functions and speeds become one, with a sum of the rest before."""

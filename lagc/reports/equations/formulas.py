@@ -84,6 +84,10 @@ class SharedAlgebra(NamingAlgebra):
     def _longest(self, node: Node) -> float:
         return inf if node.op == "add" else LONG
 
+    def _parts(self, node: Node) -> Parts:
+        # Added up in one pass: one addition after the other copies what is added up so far each time.
+        return Algebra._parts(self, node) if node.op == "add" and node not in self._shared else []
+
 
 @dataclass(frozen=True, slots=True)
 class Formula:

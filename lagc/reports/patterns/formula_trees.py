@@ -131,7 +131,7 @@ class Former:
         node = self._algebra.named.get(number, atom.node)
         if node is not None:
             return self._symbol(node)
-        args = tuple([self.total(self._collector.inside(dict(arg))) for arg in atom.args])
+        args = tuple([self.total(found) for found in self._collector.arguments(number)])
         return args[0] if atom.op == "sum" else Call(atom.op, args)
 
     def _symbol(self, node: Node) -> Symbol:
