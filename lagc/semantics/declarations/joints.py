@@ -282,7 +282,8 @@ def _normals(context: Context, joint: Joint, a: Pose, b: Pose, closes: bool) -> 
     context.held.add(path)
     x, y, z = (graph.symbol("reaction", path, f"force.{axis}") for axis in "xyz")
     # Line and plane belong to the body from which the joint places the other one.
-    pose = b if linkage_of(context, joint.entry).placing.get(joint.ends[0]) is joint else a
+    first = joint.ends[0]
+    pose = b if first and linkage_of(context, joint.entry).placing.get(first) is joint else a
     drawn = joint.axes()
     return tuple([dot(pose.direction_of(drawn[axis]), (x, y, z)) for axis in across])
 
