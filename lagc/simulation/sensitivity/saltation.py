@@ -62,7 +62,7 @@ class Changes:
     def __init__(self, system: NumpySystem, directions: Sequence[int], columns: Sequence[int]):
         self.system, self.by_p, self.columns = system, list(directions), list(columns)
 
-    def beyond(
+    def cross(
         self, s: Follower, now: Array, before: Sequence[float], after: Sequence[float], causes: Causes,
         jumped: bool,
     ) -> tuple[Array, Array]:  # fmt: skip
