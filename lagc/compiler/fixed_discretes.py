@@ -16,7 +16,7 @@ DERIVED = ("derivatives", "sensitivities")
 
 
 def refuse_contacts(model: Model, variant: str) -> None:
-    """Raise Refused (LAG0623) if a model has contacts or dry friction, which no variant follows."""
+    """Raise Refused (LAG0623) if a model has contacts or dry friction, which this variant does not follow."""
     if model.contacts:
         asked = {"derivatives": "derivatives", "sensitivities": "sensitivities",
                  **dict.fromkeys(SERIES, "methods by power series, such as taylor,")}  # fmt: skip

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from matplotlib.transforms import Bbox
 
 MARKS = "osD^vPX"
-# Where a label may stand beside its place: offset in points, horizontal and vertical alignment.
-BESIDE = [
+# Of a label from its place, the best first: offset in points, horizontal and vertical alignment.
+OFFSETS = [
     (dx * far, dy * far, ha, va)
     for far in (1.0, 2.0, 4.0)
     for dx, dy, ha, va in ((7, 3, "left", "bottom"), (-7, 3, "right", "bottom"), (0, -9, "center", "top"),
@@ -116,7 +116,7 @@ def _write(figure: Figure, axes: Axes, labels: Sequence[Label]) -> None:
     boxes: list[Bbox] = []
     for label in labels:
         tried = list[tuple[float, int, Any, Any]]()
-        for place, (dx, dy, ha, va) in product(label.places, BESIDE):
+        for place, (dx, dy, ha, va) in product(label.places, OFFSETS):
             text = axes.annotate(label.words, place, (dx, dy), textcoords="offset points", ha=ha, va=va,
                                  color=label.color, fontsize=label.size)  # fmt: skip
             box = text.get_window_extent()

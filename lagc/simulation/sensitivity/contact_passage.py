@@ -46,25 +46,25 @@ class Passage:
         """Integrate the motion from the whole state `x0` again, and S with it."""
         asked = Options(**{**vars(self.options), "report": True})
         run = self.whole.followed.integrate(asked, times[0], x0, times, progress)
-        s, shape = self.groups.begun(self.start), (len(times), *self.start.shape)
+        s, shape = self.groups.initial(self.start), (len(times), *self.start.shape)
         found = Followed(np.full(shape, np.nan), s.sizes, s.sizes, np.zeros(len(times), dtype=int), 0)
         t, x = times[0], x0
         try:
             if run.status == INTERRUPTED:
                 raise KeyboardInterrupt
-            t, x = self._from(self._changes(run).begun(t, x, self.start), times)
+            t, x = self._restart(self._changes(run).initial_slips(t, x, self.start), times)
             # To each event, or to shortly before it and then to it by the rates there; and across it.
             for event in self._events(run, times[0]):
-                before = self._beside(event, STICKS, ENDS * sqrt(self._tolerance), times)
-                s, near = self._between(t, x, event.t - before, s, times, progress, found)
+                before = self._distance(event, STICKS, ENDS * sqrt(self._tolerance), times)
+                s, near = self._follow(t, x, event.t - before, s, times, progress, found)
                 if found.message:
                     break
                 if before > 0.0:
-                    s = self._further(event.t - before, x, near, s, before)
-                t, x = self._from(event, times)
-                s = self._across(replace(event, near=near, begun=x), s, run, found)
+                    s = self._advance(event.t - before, x, near, s, before)
+                t, x = self._restart(event, times)
+                s = self._cross(replace(event, last_slip=near, first_slip=x), s, run, found)
             if not found.message:
-                s, _ = self._between(t, x, None, s, times, progress, found)
+                s, _ = self._follow(t, x, None, s, times, progress, found)
                 if run.status not in (OK, TERMINATED):
                     raise Stopped("the repeated motion fails there")
         except Stopped as reason:
@@ -76,7 +76,7 @@ class Passage:
         found.end(self.groups, s)
         return found
 
-    def _between(
+    def _follow(
         self, t: float, x: Sequence[float], end: float | None, s: Tangents, times: Sequence[float],
         progress: Progress | None, found: Followed,
     ) -> tuple[Tangents, Sequence[float]]:  # fmt: skip
@@ -112,24 +112,24 @@ class Passage:
     def _tolerance(self) -> float:
         return max(self.options.rtol, FINEST)
 
-    def _beside(self, event: ContactEvent, act: int, share: float, times: Sequence[float]) -> float:
-        """The time beside an event at which a slip in space begins or ends, a share of that of the run: there
-        its direction u/|u| is not known well."""
+    def _distance(self, event: ContactEvent, act: int, share: float, times: Sequence[float]) -> float:
+        """The time between an event at which a slip in space begins or ends and the state that tells its
+        direction u/|u|, a share of the time of the run; 0 at other events."""
         contacts = self.whole.system.interface.contacts
         if not any(own == act and contacts[i].slips == 2 for i, own in event.acts.items()):
             return 0.0
         return min(share * (times[-1] - times[0]), NEAR * event.since)
 
-    def _from(self, event: ContactEvent, times: Sequence[float]) -> tuple[float, Sequence[float]]:
+    def _restart(self, event: ContactEvent, times: Sequence[float]) -> tuple[float, Sequence[float]]:
         """The time and state from which S is followed after an event."""
-        after = self._beside(event, SLIPS, self._tolerance, times)
+        after = self._distance(event, SLIPS, self._tolerance, times)
         if not after:
             return event.t, event.after
         return event.t + after, self.whole.followed.integrate(
             self.options, event.t, event.after, [event.t + after]
         ).x
 
-    def _further(
+    def _advance(
         self, t: float, x: Sequence[float], near: Sequence[float], s: Tangents, time: float
     ) -> Tangents:
         """S after a further time, to first order, in the modes of x."""
@@ -139,11 +139,11 @@ class Passage:
         rates[:, columns] += point.total("rate", "parameter")[:, places]
         return s._replace(now=s.now + time * rates.T)
 
-    def _across(self, event: ContactEvent, s: Tangents, run: Trajectory, found: Followed) -> Tangents:
+    def _cross(self, event: ContactEvent, s: Tangents, run: Trajectory, found: Followed) -> Tangents:
         """Return S after an event."""
-        changed, terms, doubts, noise = self._changes(run).beyond(event, s.now.T)
+        changed, terms, doubts, noise = self._changes(run).cross(event, s.now.T)
         found.passed[found.reached :] += 1
-        return self.groups.changed(s, changed + doubts if self.displaced else changed, terms, noise)
+        return self.groups.change(s, changed + doubts if self.displaced else changed, terms, noise)
 
     def _changes(self, run: Trajectory) -> ContactChanges:
         sizes = np.array([run.sizes[kind] for kind in self.whole.system.interface.kinds])

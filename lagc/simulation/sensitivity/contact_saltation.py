@@ -21,7 +21,7 @@ from lagc.base.records import dataclass
 from lagc.codegen.python.support.contacts import CLOSES, RESTS, SLIPS, STICKS, STRIKES
 from lagc.mechanics.formulation.contacts import MODE_STICKS
 from lagc.simulation.linearization.derivatives import TINY, Array
-from lagc.simulation.sensitivity.differences import extrapolated, size_of
+from lagc.simulation.sensitivity.differences import derivative_by_differences, size_of
 from lagc.simulation.sensitivity.saltation import ALIKE, LOCATED, Stopped, common_shift
 from lagc.simulation.sensitivity.sensitivities import CLEAR, Mode
 from lagc.simulation.system import OK, REDUNDANT, Options
@@ -39,16 +39,16 @@ TOUCHES, RELEASES, STOPS, BEGINS = "touches", "is released", "stops slipping", "
 @dataclass(frozen=True)
 class ContactEvent:
     """An event at the time t: the acts of contacts by their indices, the whole states before and after it,
-    and the time since the event before. `near` and `begun` are states shortly before and after: a slip in
-    space that ends or begins has the directions there."""
+    and the time since the event before. `last_slip` and `first_slip` are states shortly before and
+    after: a slip in space that ends or begins has the directions there."""
 
     t: float
     before: Sequence[float]
     after: Sequence[float]
     acts: Mapping[int, int]
     since: float
-    near: Sequence[float] = ()
-    begun: Sequence[float] = ()
+    last_slip: Sequence[float] = ()
+    first_slip: Sequence[float] = ()
 
 
 class ContactChanges:
@@ -59,11 +59,11 @@ class ContactChanges:
         self.system, self.directions, self.sizes = whole.system, whole.directions, sizes
         self.module, self.n = whole.system.model.module, len(sizes)
 
-    def beyond(self, event: ContactEvent, now: Array) -> tuple[Array, Array, Array, Array]:
+    def cross(self, event: ContactEvent, now: Array) -> tuple[Array, Array, Array, Array]:
         """Return S after an event, the magnitudes of its terms, its error and its round-off. `now` is S
         before it. Raises Stopped if there is no derivative."""
-        one = self._rates(event, event.before, event.near)
-        two = self._rates(event, event.after, event.begun)
+        one = self._rates(event, event.before, event.last_slip)
+        two = self._rates(event, event.after, event.first_slip)
         shift = self._shift(event, now, one)
         moved, doubts = now + np.outer(one, shift), np.zeros_like(now)
         units = [self._unit(k, moved[:, k]) for k in range(len(shift))]
@@ -80,7 +80,7 @@ class ContactChanges:
             array[:, idle] = 0.0
         return found, terms, doubts, noise
 
-    def begun(self, t: float, x: Sequence[float], now: Array) -> ContactEvent:
+    def initial_slips(self, t: float, x: Sequence[float], now: Array) -> ContactEvent:
         """Return the slips that begin at the initial state x, as an event. Raises Stopped if a direction
         gives them a speed: friction is opposite on both sides."""
         contacts, module = self.system.interface.contacts, self.module
@@ -172,7 +172,7 @@ class ContactChanges:
 
     def _indicators(self, equations: Any, t: float, x: list[float], event: ContactEvent) -> Array:
         """The indicators of all relations at (t, x), with contacts in their modes before the event."""
-        work = self._placed(equations, event, event.before, event.near).work
+        work = self._placed(equations, event, event.before, event.last_slip).work
         self.module["fn_indicators_on"](equations.p, t, x, work.modes, work.events.indicators)
         self.module["indicate_forces"](equations.p, t, x, work)
         return np.array(work.events.indicators)
@@ -225,7 +225,7 @@ class ContactChanges:
         best: tuple[Array, Array] | None = None
         for farthest in FARTHEST:
             try:
-                found, doubt = extrapolated(there, farthest, DIFFERENCES)
+                found, doubt = derivative_by_differences(there, farthest, DIFFERENCES)
             except ArithmeticError:
                 continue
             if best is None or doubt.max(initial=0.0) < best[1].max(initial=0.0):

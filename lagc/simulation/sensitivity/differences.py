@@ -13,10 +13,12 @@ if TYPE_CHECKING:
     from lagc.simulation.sensitivity.sensitivities import Direction
     from lagc.simulation.system import System
 
-SHRINKING = 1.4
+SHRINKING = 1.4  # from one step of the differences to the next (Ridders)
 
 
-def extrapolated(values: Callable[[float], Array], longest: float, count: int) -> tuple[Array, Array]:
+def derivative_by_differences(
+    values: Callable[[float], Array], longest: float, count: int
+) -> tuple[Array, Array]:
     """The derivative of `values` at 0 and its error, by `count` central differences extrapolated to step 0
     (C. J. F. Ridders, Adv. Eng. Software 4, 1982, p. 75)."""
     found: Array | float = inf

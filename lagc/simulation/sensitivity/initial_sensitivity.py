@@ -16,7 +16,7 @@ from lagc.simulation.initialization.conflicts import conditions_of
 from lagc.simulation.initialization.initialize import guess_and_levels
 from lagc.simulation.initialization.solver import Consistency
 from lagc.simulation.linearization.derivatives import DEPENDENT, Array, Point
-from lagc.simulation.sensitivity.differences import extrapolated, size_of
+from lagc.simulation.sensitivity.differences import derivative_by_differences, size_of
 from lagc.simulation.sensitivity.sensitivities import Direction
 from lagc.simulation.system import OK
 
@@ -150,7 +150,7 @@ class _Consistent:
 
         for longest in LONGEST:
             try:
-                found, doubt = extrapolated(values, longest, DIFFERENCES)
+                found, doubt = derivative_by_differences(values, longest, DIFFERENCES)
             except ArithmeticError:
                 if longest == LONGEST[-1]:
                     raise

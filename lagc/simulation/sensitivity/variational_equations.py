@@ -10,7 +10,7 @@ on theta, S jumps by (f- - f+) dt/dtheta.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,9 +20,6 @@ from lagc.simulation.sensitivity.followers import Follower, follower
 from lagc.simulation.sensitivity.saltation import Changes, Stopped
 from lagc.simulation.sensitivity.sensitivities import FAINT, Mode
 from lagc.simulation.system import INTERRUPTED, OK, TERMINATED, Options
-
-if TYPE_CHECKING:
-    pass
 
 SLICE = 8  # inverse share of the steps so far that are made between two calls of `progress`
 REASONS = ("", "its derivatives have no finite value", "its derivatives grow without bound")
@@ -47,12 +44,12 @@ class Groups:
         self.kinds = sorted(set(kinds))
         self.masks = np.array([[kind == k for kind in kinds] for k in range(max(kinds, default=0) + 1)])
 
-    def begun(self, start: Array) -> Tangents:
+    def initial(self, start: Array) -> Tangents:
         """S(0), which is given by states and directions."""
         sizes = self.largest(start.T)
         return Tangents(start.T, sizes, np.zeros((2 * len(sizes), sizes.shape[1])))
 
-    def changed(self, s: Tangents, now: Array, terms: Array, noise: Array | float = 0.0) -> Tangents:
+    def change(self, s: Tangents, now: Array, terms: Array, noise: Array | float = 0.0) -> Tangents:
         """S after an event, whose terms have these magnitudes, and further round-off, by states and
         directions."""
         largest, own = self.largest(terms.T), self.largest(np.broadcast_to(noise, terms.shape).T)
@@ -107,10 +104,10 @@ class Variation:
         self, x0: Sequence[float], times: Sequence[float], progress: Progress | None,
         begun: Tangents | None = None,
     ) -> Followed:  # fmt: skip
-        """Integrate the motion from `x0` again, and S with it, from S(0) or from what it was `begun` as."""
+        """Integrate the motion from `x0` again, and S with it, from S(0) or from `begun`, S at its time."""
         (n, m), nothing, x0 = self.start.shape, np.zeros((0, 0)), x0[: len(self.start)]
         found = Followed(np.zeros((0, n, m)), nothing, nothing, np.zeros(len(times), dtype=int), 1)
-        begun = begun or self.groups.begun(self.start)
+        begun = begun or self.groups.initial(self.start)
         s = follower(self.followed, self.options, times, x0, self.columns, *begun)
         try:
             self._follow(s, list(x0), times, progress, found)
@@ -153,7 +150,7 @@ class Variation:
                     s, changes, modes, bool(interface.whens) and s.s.jumps > jumps, times, found
                 )
             if self.rests:
-                s.put(x0)
+                s.set_state(x0)
             if progress is not None:
                 progress(s.s.t)
             if s.w.steps + s.w.rejected > self.most:
@@ -171,8 +168,8 @@ class Variation:
             return after
         *own, _ = s.arrays()
         causes = [k for k, own in enumerate(crossed) if own], together
-        changed, terms = changes.beyond(s, own[0].T, before, after, causes, jumped)
-        s.change(*self.groups.changed(Tangents(*own), changed, terms))
+        changed, terms = changes.cross(s, own[0].T, before, after, causes, jumped)
+        s.change(*self.groups.change(Tangents(*own), changed, terms))
         reached = s.reached
         found.passed[reached:] += 1
         if times[reached - 1] == s.s.t:  # the recorded state is the one after the event
