@@ -67,7 +67,7 @@ class Components:
         self.read += [(together[0], reads)] if together else []
 
     def find(self, symbol: Node) -> Node:
-        # Path halving: each symbol on the way points two steps ahead afterwards (Tarjan and van Leeuwen 1984).
+        # Path halving (Tarjan and van Leeuwen 1984): each symbol on the way then points two steps ahead.
         while (above := self.leader.setdefault(symbol, symbol)) is not symbol:
             self.leader[symbol] = symbol = self.leader[above]
         return symbol
