@@ -106,20 +106,27 @@ class Condition:
 
 
 _AXIS, _POINT = (*ENDS, "axis", "at", "along"), (*ENDS, "at")
+_ROUGH = ("friction", "static")
 _SLIDE, _XY = {"z": "slide"}, {"x": "x", "y": "y"}
 
 KINDS: dict[str, Pair | Condition] = {
     "Weld": Pair(_POINT, 2),
-    "Revolute": Pair((*_AXIS, "friction", "static", "radius"), 4, turns=ABOUT_Z, angles=("angle",)),
-    "Prismatic": Pair((*_AXIS, "friction", "static"), 3, _SLIDE),
-    "Cylindrical": Pair(_AXIS, 4, _SLIDE, ABOUT_Z, ("angle",)),
-    "Screw": Pair((*ENDS, "axis", "at", "pitch", "along"), 5, turns=ABOUT_Z, angles=("angle",), helical=True),
+    "Revolute": Pair((*_AXIS, *_ROUGH, "radius"), 4, turns=ABOUT_Z, angles=("angle",)),
+    "Prismatic": Pair((*_AXIS, *_ROUGH), 3, _SLIDE),
+    "Cylindrical": Pair((*_AXIS, *_ROUGH, "radius"), 4, _SLIDE, ABOUT_Z, ("angle",)),
+    "Screw": Pair(
+        (*ENDS, "axis", "at", "pitch", "along", *_ROUGH, "radius"),
+        5,
+        turns=ABOUT_Z,
+        angles=("angle",),
+        helical=True,
+    ),
     "Spherical": Pair(_POINT, 3, turns=ANY_TURN),
     "Universal": Pair(_AXIS, 5, turns=ABOUT_Z_AND_X, angles=("angle1", "angle2")),
     "Planar": Pair(_AXIS, 4, _XY, ABOUT_Z, ("angle",)),
-    "PointOnPlane": Pair(_AXIS, 4, _XY, ANY_TURN),
+    "PointOnPlane": Pair((*_AXIS, *_ROUGH), 4, _XY, ANY_TURN),
     "LineOnPlane": Pair(_AXIS, 5, _XY, ABOUT_Z_AND_X, ("angle", "tilt")),
-    "PointOnLine": Pair(_AXIS, 4, _SLIDE, ANY_TURN),
+    "PointOnLine": Pair((*_AXIS, *_ROUGH), 4, _SLIDE, ANY_TURN),
     "Free": Pair(_POINT, 2, {"x": "x", "y": "y", "z": "z"}, ANY_TURN),
     "Distance": Condition((*ENDS, "at", "to"), 4, torsor="X, 0, 0 | 0, 0, 0"),
     "Rolling": Condition((*ENDS, "normal", "at", "radius", "axis", "along"), 5, torsor="X, Y, Z | 0, 0, 0"),

@@ -142,7 +142,7 @@ class RunsByHand(Repeated):
         self.lanes: Lanes | None = None
         self.ready = dict[bytes, bytes]()
 
-    def ahead(self, points: Sequence[tuple[Sequence[float], Mapping[int, float]]]) -> None:
+    def run_lanes(self, points: Sequence[tuple[Sequence[float], Mapping[int, float]]]) -> None:
         """Make the next runs side by side, where that is possible; `run` takes their results."""
         if not (self.has_lanes and points):
             return

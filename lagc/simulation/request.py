@@ -89,6 +89,7 @@ class Request:
 
     def check(self) -> None:
         """Raise Refused with all invalid values."""
+        # Each value alone: its sign, and whether it is finite.
         faults = []
         for name, option in RUN_OPTIONS.items():
             value = getattr(self, name)
@@ -99,6 +100,7 @@ class Request:
                 faults.append(_request(f"`{name}` must be {kind} and finite, not {value:g}"))
         if self.points is not None and self.points < 2:
             faults.append(_request(f"`points` must be 2 or more, not {self.points}"))
+        # Control by accuracy and control by hand exclude each other.
         if self.accuracy is not None and self.by_hand:
             faults.append(_request("`accuracy` chooses the tolerance: leave it out or leave out `rtol`, "
                                    "`atol` and `step`"))  # fmt: skip
@@ -113,6 +115,7 @@ class Request:
             faults.append(_request(f"`rtol` is below {FINEST:g}, the limit of double precision"))
         if self.rtol == 0.0 and not self.atol:
             faults.append(_request("one of `rtol` and `atol` must be positive"))
+        # The method, and what it can do.
         if self.method is not None and self.method not in METHODS:
             faults.append(_request(f"`method` is one of {', '.join(METHODS)}, not {self.method!r}"))
         elif self.method is not None and self.step is None and not _adapts(self.method):
@@ -127,6 +130,7 @@ class Request:
             faults.append(_request("a fixed `step` has no tolerance: leave out `rtol` and `atol`"))
         if self.step is not None and self.max_step is not None:
             faults.append(_request("a fixed `step` excludes `max_step`: leave one out"))
+        # The grid of recorded times.
         if not all(0.0 <= t < inf for t in self.times):
             faults.append(_request("recorded times must be finite and not negative"))
         if self.every is not None and self.points is not None:

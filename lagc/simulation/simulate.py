@@ -93,14 +93,17 @@ def simulate(
     request = request.completed(system.interface.simulate)
     start = start or begin(system, request)
     times = request.grid()
+    # The run, and the verdict on it.
     done = _integrate(counted, request, start, times, progress, stiff, series)
     result, options = done.verdict, done.options
     trajectory = result.trajectory
+    # Notes: what the user would want to know of a run that is in order otherwise.
     notes = [*start.notes, *done.notes]
     for k in strange_outputs(system, start.x):
         notes.append(f"output `{system.interface.outputs[k].name}` has no finite initial value")
     notes += stability_note(trajectory)
     notes += rest_note(system, trajectory)
+    # Forces that are one choice of many.
     open_reactions: tuple[str, ...] = ()
     if result.status == "ok" and (trajectory.redundant_rows or _depend(system, trajectory)):
         note, open_reactions = redundancy(system, trajectory)
@@ -193,7 +196,7 @@ def _integrate(
     scales = _scales(system, request)
     timed = system.interface.whens and system.interface.timed
     assert request.accuracy is not None
-    rest = None if timed or system.interface.contacts else _rest(system, x, times)
+    rest = None if timed or system.interface.contacts else _state_of_rest(system, x, times)
     if rest is not None:
         run = trajectory_at_rest(rest[0], times)
         equilibrium = Verdict(*verdict(system, run, end), run, ROUNDING)
@@ -232,7 +235,7 @@ def _chosen(
     if tolerance > COARSEST_SERIES:
         return _verified(*given)
     with suppress(Refused):  # a function without a recurrence
-        other = system.beside(series().bind(system.parameters))
+        other = system.share_count(series().bind(system.parameters))
         gain = gain_of_series(other.interface, tolerance)
         if gain >= LEAST_GAIN:
             found = verified_run(other, **_terms(other, x, times, request, progress), method=SERIES[0])
@@ -294,7 +297,7 @@ def _verified(
         most, step = FEWER * run.steps, abs(run.t - times[0]) / run.steps
     except StabilityLimited as limited:
         most, step = FEWER * limited.steps, limited.step
-    other = system.beside(stiff().bind(system.parameters))
+    other = system.share_count(stiff().bind(system.parameters))
     found = verified_run(other, **given, method=IMPLICIT[0], most=int(most))
     if found.estimated <= request.accuracy or (explicit is None and found.trajectory.status != MAX_STEPS):
         note = (f"the equations are stiff: stability limits an explicit method to steps of about {step:.1g} "
@@ -303,7 +306,7 @@ def _verified(
     return system, explicit or verified_run(system, **given), []
 
 
-def _rest(system: System, x: list[float], times: Sequence[float]) -> tuple[list[float], str] | None:
+def _state_of_rest(system: System, x: list[float], times: Sequence[float]) -> tuple[list[float], str] | None:
     """Return the state in which the system stays and the reason, or None if it moves or cannot."""
     discrete = len(system.interface.discretes)
     if system.interface.servos and rates_at(system, times[0], x) is None:

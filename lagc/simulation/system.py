@@ -246,14 +246,14 @@ class Counted:
 
     def bind(self, values: Sequence[float]) -> Counted:
         """The system with other parameters and the same count."""
-        return self.beside(self.system.bind(values))
+        return self.share_count(self.system.bind(values))
 
     def on(self, t: float, x: Vector) -> Counted:
         """The system on the branch of (t, x) with the same count."""
-        return self.beside(self.system.on(t, x))
+        return self.share_count(self.system.on(t, x))
 
-    def beside(self, system: System) -> Counted:
-        """Another system with the same count."""
+    def share_count(self, system: System) -> Counted:
+        """Return a record of another system that shares the count."""
         found = Counted(system)
         found._counts = self._counts
         return found

@@ -59,11 +59,13 @@ def works(
     single states, in Python if there are contacts; default: the same."""
     options = Options(method=method, rtol=RTOL, max_steps=0, report=True)
     graph = equations.graph
+    # Powers: of each load, and of each constraint that does work, its multiplier times the velocity along it.
     rows = [row for row in equations.rows if row.time_dependent or not row.holonomic]
     rows = [row for row in rows if row.law is Law.PERFECT]  # the actuator of another is an action
     moved = [graph.sum(slope * equations.v[j] for j, slope in row.jacobian.items()) for row in rows]
     powers = [*(c.power for c in equations.contributions), *(r.multiplier * u for r, u in zip(rows, moved))]
     within = reachable(powers)
+    # Panels of Gauss quadrature lie between events, where powers are smooth.
     run, panels = system.integrate(options, 0.0, x, [0.0, stop]), FEWEST
     if not arrived(run) or len(run.corners) >= MOST_CORNERS:
         return None
@@ -73,6 +75,7 @@ def works(
     cuts = list(pairwise(sorted(times)))
     sums: list[float] | None = None
     bar = inf
+    # Panels are halved until two sums agree.
     while True:
         parts = _panels(cuts, stop / panels)
         if len(parts) * len(NODES) * max(len(within), 1) > MOST:
@@ -87,6 +90,7 @@ def works(
             break
     if sums is None or bar == inf:
         return None
+    # The works of clauses, and the rest of the whole work, which is that of contacts.
     clauses = _jumps(system, run)
     count = len(equations.contributions)
     by_row = dict(zip([row.label for row in rows], sums[count:]))

@@ -64,7 +64,7 @@ def consistent(name: str, system: System) -> list[float]:
 
 def taking(system: Any, options: Options) -> Any:
     """The system whose code has the method of `options`."""
-    return system.compiled.other(options.method, system.parameters) or system
+    return system.compiled.for_method(options.method, system.parameters) or system
 
 
 class InPython:

@@ -74,7 +74,7 @@ def test_lanes_have_the_bits_of_single_runs(name: str) -> None:
             runs.lanes = Lanes(runs.system.model, {width: needed})
             if runs.lanes.count != width:
                 continue  # this processor has no such vectors
-            runs.ahead(points)
+            runs.run_lanes(points)
             assert len(runs.ready) > RUNS // 2
             assert results(runs, points) == alone
             assert not runs.ready

@@ -1,8 +1,9 @@
 """Declarations of joints: the members of an open one, the equations of one that closes a loop; friction.
 
-Dry friction acts at the pin of a `Revolute` joint, and along the axis of a `Prismatic` one.  The normal force
-is the force of the joint across its axis.  That of an open joint is a reaction by virtual release, that of
-one that closes a loop has the multipliers of its equations as components.
+Dry friction opposes the slip of the surface at the radius of a pin or a sleeve, of a point along its line or
+plane, and of a thread.  The normal force is that of the joint across its axis, along the normal of its plane,
+or on the flanks of the thread.  That of an open joint is a reaction by virtual release, that of one that
+closes a loop has the multipliers of its equations as components.
 """
 
 from collections.abc import Callable
@@ -214,47 +215,99 @@ _SINGLE = ("Distance", *_OF_JOINTS)
 def rub(context: Context, joint: Joint, a: Pose, b: Pose, closes: bool) -> objects.Contact:
     """Return the friction of a joint between bodies at `a` and `b` as a contact that always touches. Raises
     Wrong."""
-    entry, turns = joint.entry, joint.name == "Revolute"
-    if turns and "radius" not in joint.written:
-        message, remedy = "the friction of a pin needs its `radius` beside it", "add `radius = 5e-3 [m]`"
-        raise Wrong("LAG0235", message, joint.span("friction"), remedy)
-    slip = _slip(context, joint, a, b, closes)
-    friction, static = coefficients(context, entry, joint.written, (slip,), over(NONE, S) if turns else SPEED)
-    if turns:
-        radius = joint.number("radius", M)
-        if radius.is_const and radius.value < 0.0:
-            message = f"the radius of a pin is not negative: {radius.value:g} m"
-            raise Wrong("LAG0235", message, joint.span("radius"), "write the radius without its sign")
+    entry, graph, kind = joint.entry, context.graph, joint.kind
+    assert isinstance(kind, Pair)
+    radius = _radius(joint) if "radius" in kind.parameters else graph.one
+    slips = _rates(context, joint, a, b, closes)
+    # A surface at the radius r slips with r w around the axis, beside its slide along it; a thread along its
+    # helix.
+    if joint.name == "Cylindrical":
+        slips = (slips[0], radius * slips[1])
+    if kind.helical:
+        slips, normals = _thread(context, joint, radius, slips, a, closes)
+    else:
+        normals = _normals(context, joint, a, b, closes)
+    # The friction of a pin is a torque on its turn.
+    pin = joint.name == "Revolute"
+    friction, static = coefficients(context, entry, joint.written, slips, over(NONE, S) if pin else SPEED)
+    if pin:
         friction, static = friction * radius, None if static is None else static * radius
-    symbol = context.graph.symbol("discrete", entry.path)
-    context.clock.set_rate(symbol, context.graph.zero)
-    zero = context.graph.zero
+    symbol, zero = graph.symbol("discrete", entry.path), graph.zero
+    context.clock.set_rate(symbol, zero)
     return objects.Contact(
-        entry.path, entry.path, zero, "", symbol, zero, entry.span, entry.effect, (slip,), friction, static,
-        normals=_across(context, joint, a, closes),
+        entry.path, entry.path, zero, "", symbol, zero, entry.span, entry.effect, slips, friction, static,
+        normals=normals,
     )  # fmt: skip
 
 
-def _slip(context: Context, joint: Joint, a: Pose, b: Pose, closes: bool) -> Node:
-    """Return the rate of the only motion that the joint allows."""
+def _radius(joint: Joint) -> Node:
+    """Return the radius of the surface that rubs: of a pin, or the mean one of a thread."""
+    what = "thread" if joint.name == "Screw" else "pin"
+    if "radius" not in joint.written:
+        message, remedy = f"the friction of a {what} needs its `radius` beside it", "add `radius = 5e-3 [m]`"
+        raise Wrong("LAG0235", message, joint.span("friction"), remedy)
+    radius = joint.number("radius", M)
+    if radius.is_const and radius.value < 0.0:
+        message = f"the radius of a {what} is not negative: {radius.value:g} m"
+        raise Wrong("LAG0235", message, joint.span("radius"), "write the radius without its sign")
+    if radius.is_zero and joint.name != "Revolute":
+        remedy = "write the radius at which the surfaces touch"
+        raise Wrong("LAG0235", f"the radius of a {what} is not 0", joint.span("radius"), remedy)
+    return radius
+
+
+def _rates(context: Context, joint: Joint, a: Pose, b: Pose, closes: bool) -> tuple[Node, ...]:
+    """Return the rates of the slides that the joint allows, then that of its turn about an axis."""
+    kind, span = joint.kind, joint.call.span
+    assert isinstance(kind, Pair)
     if not closes:
-        value = joint.entry.parts["angle" if joint.name == "Revolute" else "slide"]
-        assert isinstance(value, Scalar)
-        return derivative(context, value.node, joint.call.span)
-    axis = a.direction_of(joint.axes()["z"])
-    if joint.name == "Revolute":
-        return dot(axis, sub(b.frame.spin, a.frame.spin))
+        values = [joint.entry.parts[name] for name in (*kind.slides.values(), *kind.angles)]
+        return tuple([derivative(context, value.node, span) for value in values if isinstance(value, Scalar)])
+    axes = {axis: a.direction_of(e) for axis, e in joint.axes().items()}
     at = joint.point("at")
-    return derivative(context, dot(axis, sub(b.place_of(at), a.place_of(at))), joint.call.span)
+    apart = sub(b.place_of(at), a.place_of(at))
+    rates = [
+        derivative(context, dot(axes[axis], apart), span) for axis in (*kind.slides, *"z" * kind.helical)
+    ]
+    return (*rates, *[dot(axes["z"], sub(b.frame.spin, a.frame.spin))] * len(kind.angles))
 
 
-def _across(context: Context, joint: Joint, a: Pose, closes: bool) -> tuple[Node, ...]:
-    """Return the two components of the force of the joint across its axis."""
-    path, graph = joint.entry.path, context.graph
+def _normals(context: Context, joint: Joint, a: Pose, b: Pose, closes: bool) -> tuple[Node, ...]:
+    """Return the components of the force of the joint across its axis, or along the normal of its plane."""
+    path, graph, kind = joint.entry.path, context.graph, joint.kind
+    assert isinstance(kind, Pair)
+    across = "z" if "x" in kind.slides else "xy"
     if closes:
-        return tuple([graph.symbol("multiplier", f"{path}[{k + 1}]") for k in range(2)])
+        return tuple([graph.symbol("multiplier", f"{path}[{k + 1}]") for k in range(len(across))])
     context.held.add(path)
     x, y, z = (graph.symbol("reaction", path, f"force.{axis}") for axis in "xyz")
-    force: Vector = (x, y, z)
+    # Line and plane belong to the body from which the joint places the other one.
+    first = joint.ends[0]
+    pose = b if first and linkage_of(context, joint.entry).placing.get(first) is joint else a
     drawn = joint.axes()
-    return dot(a.direction_of(drawn["x"]), force), dot(a.direction_of(drawn["y"]), force)
+    return tuple([dot(pose.direction_of(drawn[axis]), (x, y, z)) for axis in across])
+
+
+def _thread(
+    context: Context, joint: Joint, radius: Node, rates: tuple[Node, ...], a: Pose, closes: bool
+) -> tuple[tuple[Node, ...], tuple[Node, ...]]:
+    """Return the slip of a square thread along its helix at the mean radius, and the force that presses its
+    flanks (J. E. Shigley, *Mechanical Engineering Design*, mechanics of power screws)."""
+    graph, path = context.graph, joint.entry.path
+    # The tangent of the lead angle l is the advance of a turn over its way around: the helix has the
+    # direction (cos l, sin l) around and along the axis, and the flank the normal (-sin l, cos l).
+    rise = joint.number("pitch", M) / (TWO_PI * radius)
+    cosine = graph.one / graph.sqrt(graph.one + rise * rise)
+    sine = rise * cosine
+    if closes:
+        # The last equation has the gradient 2 pi/pitch along the axis, and friction is no part of its force.
+        slip = sine * rates[0] + cosine * radius * rates[1]
+        return (slip,), (graph.symbol("multiplier", f"{path}[5]") / (radius * sine),)
+    # The force and the moment of the joint hold friction, which has no part along the normal of the flank.
+    context.held.add(path)
+    axis = a.direction_of(joint.direction("axis"))
+    force, moment = (
+        dot(axis, tuple([graph.symbol("reaction", path, f"{part}.{e}") for e in "xyz"]))
+        for part in ("force", "moment")
+    )
+    return (radius / cosine * rates[0],), (cosine * force - sine * moment / radius,)

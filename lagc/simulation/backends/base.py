@@ -28,7 +28,7 @@ class Compiled(ABC):
         self.another: Another | None = None
         self.lock = RLock()
 
-    def other(self, method: str, values: Sequence[float]) -> System | None:
+    def for_method(self, method: str, values: Sequence[float]) -> System | None:
         """The system with the array p = `values` and a method that this code lacks; None if it has it."""
         methods = self.interface.methods
         if self.another is None or (self.integrates and (not methods or method in methods)):

@@ -217,7 +217,7 @@ class CSystem(CompiledSystem):
         progress: Callable[[float], None] | None = None,
     ) -> Trajectory:
         options.check()
-        other = self.compiled.other(options.method, self._values)
+        other = self.compiled.for_method(options.method, self._values)
         if other is not None:
             return other.integrate(options, t0, x0, times, progress)
         nx, n, call, work = self.nx, len(times), self.model.functions, self.model.work()
@@ -247,7 +247,7 @@ class CSystem(CompiledSystem):
         self, options: Options, x0: Vector, times: Sequence[float], accuracy: float, scales: Vector,
         progress: Callable[[float], None] | None = None,
     ) -> Checked:  # fmt: skip
-        other = self.compiled.other(options.method, self._values)
+        other = self.compiled.for_method(options.method, self._values)
         if other is not None:
             return other.verify(options, x0, times, accuracy, scales, progress)
         nx, ny, n, model = self.nx, len(self.interface.outputs), len(times), self.model

@@ -198,7 +198,7 @@ class NumpySystem(CompiledSystem):
         return found
 
     def holds(self, modes: Vector, t: float, x: Vector) -> list[float]:
-        """For each clause `when`, 1 if its condition holds on a branch."""
+        """Return 1 for each clause `when` whose condition holds on a branch, else 0."""
         found = [0.0] * len(self.interface.whens)
         if found:
             self.model.module["fn_holds_on"](self._p, t, x, modes, found)
@@ -280,7 +280,7 @@ class NumpySystem(CompiledSystem):
         times: Sequence[float],
         progress: Callable[[float], None] | None = None,
     ) -> Trajectory:
-        other = self.compiled.other(options.method, self._values)
+        other = self.compiled.for_method(options.method, self._values)
         if other is not None:
             return other.integrate(options, t0, x0, times, progress)
         integrate, equations = self.model.module["_integrate"], self.equations()
@@ -291,7 +291,7 @@ class NumpySystem(CompiledSystem):
         self, options: Options, x0: Vector, times: Sequence[float], accuracy: float, scales: Vector,
         progress: Callable[[float], None] | None = None,
     ) -> Checked:  # fmt: skip
-        other = self.compiled.other(options.method, self._values)
+        other = self.compiled.for_method(options.method, self._values)
         if other is not None:
             return other.verify(options, x0, times, accuracy, scales, progress)
         return verify(self.model.module, self.interface, self.equations().p, options, list(x0), list(times),

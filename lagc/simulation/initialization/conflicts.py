@@ -114,7 +114,8 @@ class _Words:
         return tuple([self.rows[rows[k]][0] for k in kept])
 
     def _direct(self, rows: Sequence[int], values: Sequence[int]) -> list[int]:
-        """Those of `rows`, by index, that contain one of the values; without speeds if they are positions."""
+        """Return those of `rows`, by index, that contain one of the values; without speeds if these are
+        positions."""
         later = max(values) >= self.conditions.nq
         columns = [self.conditions.columns_of(row) for row in rows]
         return [k for k, own in enumerate(columns)
@@ -185,7 +186,7 @@ class _Words:
 
 
 def _combined(slopes: Any, right: Any, rows: Sequence[int]) -> list[int] | None:
-    """Those of `rows`, columns of `slopes`, that take part in a combination that is `right`, if one is."""
+    """Return those of `rows`, columns of `slopes`, whose combination is `right`; None without one."""
     import numpy as np
 
     table = slopes[:, rows]

@@ -52,7 +52,7 @@ class NoStart(Refused):
 
 def begin(system: System, request: Request) -> Start:
     """Return the consistent start. Raises NoStart with the conditions that cannot be met (LAG0610) or the
-    start value that is not finite (LAG0611), and as `_energies` and `touching`."""
+    start value that is not finite (LAG0611), and as `_energies` and `with_contact_modes`."""
     keep_limits(system)
     doing("finding the start")
     began = perf_counter()
@@ -67,7 +67,7 @@ def begin(system: System, request: Request) -> Start:
             raise NoStart(fault, anchors, start.x, system)
     _energies(system, start.x)
     if system.interface.contacts:
-        start = replace(start, x=touching(system, 0.0, start.x), beyond=_beyond(system, start.x))
+        start = replace(start, x=with_contact_modes(system, 0.0, start.x), beyond=_beyond(system, start.x))
     return replace(start, seconds=perf_counter() - began)
 
 
@@ -88,7 +88,7 @@ def sizes_of_gaps(system: System, t: float, x: Sequence[float]) -> list[float]:
     return found
 
 
-def touching(system: System, t: float, x: Sequence[float]) -> list[float]:
+def with_contact_modes(system: System, t: float, x: Sequence[float]) -> list[float]:
     """Return x with the modes of the contacts that touch. Raises NoStart (LAG0624) if a gap is negative by
     more than round-off."""
     interface, found = system.interface, list(x)

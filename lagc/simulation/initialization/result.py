@@ -97,15 +97,15 @@ class Start:
         found = [c for c in self.changes if not c.stated]
         lines = [str(c) for c in stated]
         if len(stated) > _MOST_FOUND or (len(stated) > 2 and max(c.share for c in stated) < _SLIGHTLY):
-            lines = [_together(stated)]
+            lines = [_summary(stated)]
         if found:
             shown = [f"`{c.name}` = {_value(c.used, c.unit)}" for c in found[:_MOST_FOUND]]
             lines.append(f"found for the start: {', '.join(shown)}{more(found, _MOST_FOUND)}")
         return (*lines, *self.beyond)
 
 
-def _together(changes: Sequence[Change]) -> str:
-    """Stated values that moved, and why, in one line."""
+def _summary(changes: Sequence[Change]) -> str:
+    """Return a line that says which stated values moved, and why."""
     forced = list(dict.fromkeys(name for c in changes for name in c.forced))
     shown = ", ".join(f"`{c.name}`" for c in changes[:_MOST_FOUND]) + more(changes, _MOST_FOUND)
     reason = f" to meet {', '.join(forced[:_MOST_FOUND])}{more(forced, _MOST_FOUND)}" if forced else ""

@@ -18,7 +18,7 @@ from lagc.base.records import replace
 from lagc.codegen.python.support.contacts import RESTS, STRIKES
 from lagc.mechanics.formulation.contacts import MODE_STICKS
 from lagc.simulation.error_measure import contacts_of
-from lagc.simulation.initialization.initialize import sizes_of_gaps, touching
+from lagc.simulation.initialization.initialize import sizes_of_gaps, with_contact_modes
 from lagc.simulation.linearization.derivatives import DEPENDENT, Array, Point
 from lagc.simulation.linearization.linear_model import Linear, size_of_states
 from lagc.simulation.system import OK, Options
@@ -55,7 +55,7 @@ def modes_of(interface: Interface, whole: Sequence[float]) -> tuple[int, ...]:
 def settled(system: NumpySystem, t: float, x: Sequence[float]) -> list[float]:
     """Return the whole state x in the modes of its contacts. Raises Refused beyond a bound, ArithmeticError
     if a contact has an impact there, or the laws of contacts have no or several solutions."""
-    run = system.integrate(Options(report=True), t, touching(system, t, x), [t])
+    run = system.integrate(Options(report=True), t, with_contact_modes(system, t, x), [t])
     if run.status != OK:
         raise ArithmeticError(f"the modes of contacts are not determined at t = {t:g} s")
     for _, contact, kind, *_ in contacts_of(run):

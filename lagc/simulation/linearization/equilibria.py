@@ -62,7 +62,7 @@ def equilibria(
             reached = search.reach(guess)
             if reached is None:
                 continue
-            known = [i for i, other in enumerate(found) if search.same(reached, other)]
+            known = [i for i, other in enumerate(found) if search.is_same(reached, other)]
             if not known:
                 found.append(reached)
                 first += [reached] if k == 0 else []
@@ -163,7 +163,7 @@ class _Search:
         nq = self.system.nq
         return float(np.abs((np.array(one.x[:nq]) - start[:nq]) / self.sizes[:nq]).max(initial=0.0))
 
-    def same(self, one: Equilibrium, other: Equilibrium) -> bool:
+    def is_same(self, one: Equilibrium, other: Equilibrium) -> bool:
         """Whether two results are one equilibrium, or of one family. A family has the same energy throughout.
         If velocity constraints carry forces, the line between two members belongs to the family."""
         if not one.free or one.free != other.free:
@@ -194,7 +194,7 @@ class _Search:
         """Whether z is an equilibrium with some multipliers, which are stored in z."""
         try:
             self._balance(z)
-            return self._met(z)
+            return self._is_met(z)
         except (ArithmeticError, np.linalg.LinAlgError):
             return False
 
@@ -215,15 +215,15 @@ class _Search:
             if part[np.flatnonzero(np.abs(part) > SAME)[0]] < 0.0:
                 found[first : first + 4] = -part
         wound = [i for i in interface.angles if _turns(found[i])]
-        if wound and self._met(_unwound(found, wound)):  # all together, or one by one below
+        if wound and self._is_met(_unwound(found, wound)):  # all together, or one by one below
             return _unwound(found, wound)
         for i in wound:
             turned = _unwound(found, [i])
-            if self._met(turned):
+            if self._is_met(turned):
                 found = turned
         return found
 
-    def _met(self, z: Array) -> bool:
+    def _is_met(self, z: Array) -> bool:
         residual, _, _, rows = self._rows(z)
         return bool((np.abs(residual) <= MET * rows).all())
 
@@ -241,12 +241,12 @@ class _Search:
                     break
                 before = length
             most = max(1.0, np.abs(z[:n] / self.sizes).max(initial=0.0))
-            z = self._moved(z, step, columns, inverse, min(1.0, most / length) if length else 1.0)
-            if length <= CLOSE and self._met(z):
+            z = self._damped_step(z, step, columns, inverse, min(1.0, most / length) if length else 1.0)
+            if length <= CLOSE and self._is_met(z):
                 return z
-        return z if self._met(z) else None
+        return z if self._is_met(z) else None
 
-    def _moved(self, z: Array, step: Array, columns: Array, inverse: Array, share: float) -> Array:
+    def _damped_step(self, z: Array, step: Array, columns: Array, inverse: Array, share: float) -> Array:
         """Step as far as the next step, with the same derivatives, becomes shorter (P. Deuflhard, Newton
         Methods for Nonlinear Problems, 2011, 3.3)."""
         moved = self._without_tiny_speeds(z + share * step * columns)

@@ -55,7 +55,7 @@ class Passage:
             t, x = self._from(self._changes(run).begun(t, x, self.start), times)
             # To each event, or to shortly before it and then to it by the rates there; and across it.
             for event in self._events(run, times[0]):
-                before = self._beside(event, STICKS, ENDS * sqrt(self._tolerance), times)
+                before = self._distance(event, STICKS, ENDS * sqrt(self._tolerance), times)
                 s, near = self._between(t, x, event.t - before, s, times, progress, found)
                 if found.message:
                     break
@@ -112,8 +112,8 @@ class Passage:
     def _tolerance(self) -> float:
         return max(self.options.rtol, FINEST)
 
-    def _beside(self, event: ContactEvent, act: int, share: float, times: Sequence[float]) -> float:
-        """The time beside an event at which a slip in space begins or ends, a share of that of the run: there
+    def _distance(self, event: ContactEvent, act: int, share: float, times: Sequence[float]) -> float:
+        """The time from an event at which a slip in space begins or ends, a share of that of the run: there
         its direction u/|u| is not known well."""
         contacts = self.whole.system.interface.contacts
         if not any(own == act and contacts[i].slips == 2 for i, own in event.acts.items()):
@@ -122,7 +122,7 @@ class Passage:
 
     def _from(self, event: ContactEvent, times: Sequence[float]) -> tuple[float, Sequence[float]]:
         """The time and state from which S is followed after an event."""
-        after = self._beside(event, SLIPS, self._tolerance, times)
+        after = self._distance(event, SLIPS, self._tolerance, times)
         if not after:
             return event.t, event.after
         return event.t + after, self.whole.followed.integrate(

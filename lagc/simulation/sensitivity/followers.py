@@ -51,7 +51,7 @@ class Follower(Protocol):
         """Set S at a recorded time."""
         ...
 
-    def put(self, x: Sequence[float]) -> None:
+    def set_state(self, x: Sequence[float]) -> None:
         """Set the state of the motion."""
         ...
 
@@ -115,7 +115,7 @@ class InPython:
         self.found[k * len(now) : (k + 1) * len(now)] = now.tolist()
         self.done[0] = max(self.done[0], k + 1)
 
-    def put(self, x: Sequence[float]) -> None:
+    def set_state(self, x: Sequence[float]) -> None:
         self.s.x = list(x)
 
     def follow(self, budget: int) -> int:
@@ -176,7 +176,7 @@ class InC:
         self.found[k * self.m : (k + 1) * self.m] = now
         self.done.value = max(self.done.value, k + 1)
 
-    def put(self, x: Sequence[float]) -> None:
+    def set_state(self, x: Sequence[float]) -> None:
         self.s.x[:] = x
 
     def follow(self, budget: int) -> int:

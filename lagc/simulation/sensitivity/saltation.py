@@ -92,7 +92,7 @@ class Changes:
         by_x, by_t = point.total("indicator", "state"), point.total("indicator", "time")[:, 0]
         terms = np.abs(by_x) @ np.abs(np.array(point.x)) + np.abs(by_t * point.t)
         terms += np.abs(point.total("indicator", "parameter")) @ np.abs(np.array(self.system.parameters))
-        moved, sizes = self._moved(point, now)
+        moved, sizes = self._indicator_changes(point, now)
         for k, counted in enumerate(interface.counted_relations):
             touches = not counted and abs(indicators[k]) <= ROUNDED * terms[k]
             lost = np.flatnonzero(np.abs(moved[k]) > ALIKE * sizes[k])
@@ -115,7 +115,7 @@ class Changes:
             found += [there.partial("qdot", group), there.motion(group), there.partial("condition", group)]
         return found
 
-    def _moved(self, point: Point, now: Array) -> tuple[Array, Array]:
+    def _indicator_changes(self, point: Point, now: Array) -> tuple[Array, Array]:
         """The changes of the event indicators, and the sums of magnitudes of their terms."""
         by_x, by_p = point.total("indicator", "state"), point.total("indicator", "parameter")
         moved, sizes = by_x @ now, np.abs(by_x) @ np.abs(now)
@@ -128,7 +128,7 @@ class Changes:
         """The change of the time of an event."""
         interface = self.system.interface
         by_x, by_t = point.total("indicator", "state"), point.total("indicator", "time")[:, 0]
-        moved, sizes = self._moved(point, now)
+        moved, sizes = self._indicator_changes(point, now)
         own = self._causes(point, by_x @ rates + by_t, causes, step)
         terms = np.abs(by_x) @ np.abs(rates) + np.abs(by_t)
         found = [
@@ -161,17 +161,17 @@ class Changes:
             if whens[k].states:
                 first, places = sum(len(clause.states) for clause in whens[:k]), list(whens[k].states)
                 rows = slice(first, first + len(places))
-                moved, terms = self._given(point, rows, places, moved, terms, shift)
+                moved, terms = self._after_clause(point, rows, places, moved, terms, shift)
                 x = list(point.x)
                 for place, value in zip(places, point.value("reinit")[rows]):
                     x[place] = float(value)
                 point = Point(self.system, point.t, x)
         return moved, terms
 
-    def _given(
+    def _after_clause(
         self, point: Point, rows: slice, places: list[int], moved: Array, terms: Array, shift: Array
     ) -> tuple[Array, Array]:
-        """The same after one clause with these new values."""
+        """Return the same after one clause with these new values."""
         by_state, by_time = point.partial("reinit", "state")[rows], point.partial("reinit", "time")[rows, 0]
         own, sizes = by_state @ moved + np.outer(by_time, shift), np.abs(by_state) @ terms
         sizes += np.abs(np.outer(by_time, shift))

@@ -153,7 +153,7 @@ class Variation:
                     s, changes, modes, bool(interface.whens) and s.s.jumps > jumps, times, found
                 )
             if self.rests:
-                s.put(x0)
+                s.set_state(x0)
             if progress is not None:
                 progress(s.s.t)
             if s.w.steps + s.w.rejected > self.most:

@@ -102,6 +102,7 @@ def _verified(
     kinds = mode.system.interface.kinds
     rests = len(run.times) > 1 and all(x[:n] == x0[:n] for x in run.states)
 
+    # One integration. Contacts are passed segment by segment, as S jumps with their events.
     def follow(options: Options) -> Followed:
         displaced, most = found.integrations % 2 == 1, MORE * run.cost.steps + MOST
         begun = start[0] + displaced * start[1]
@@ -116,11 +117,13 @@ def _verified(
         found.interrupted = found.interrupted or done.interrupted
         return done
 
+    # One integration at a tolerance: the longest step shrinks with it, by the order of the method.
     def at(tol: float, halves: bool) -> Followed:
         longest = longest_step(mode.system, run.times[-1], request.max_step)
         longest *= (tol / LONGEST_AT) ** (1.0 / order(run.method))
         return follow(Options(method=run.method, rtol=tol, max_step=longest, halves=halves, alone=run.alone))
 
+    # By hand one integration is the result; else integrations at finer tolerances go on until they agree.
     if request.by_hand:
         done = follow(by_hand(request))
         found.values[:, :, kept], found.message = done.values, done.message

@@ -147,7 +147,7 @@ class Runner:
                 with suppress(Refused):
                     values, starts = self._values_of(point)
                     given.append((values, self._places(starts)))
-            self.repeated.ahead(given)
+            self.repeated.run_lanes(given)
 
     def row(self, point: Point, progress: Progress) -> tuple[list[float], tuple[str, str] | None]:
         """Return the numbers of a run, and the code and the message of one that did not go as asked."""
