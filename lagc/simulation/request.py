@@ -122,7 +122,9 @@ class Request:
             faults.append(_request(f"`{self.method}` has no error estimate: give it a fixed `step`"))
         if self.method in (*IMPLICIT, *SERIES) and self.sensitivity:
             faults.append(
-                _request(f"`sensitivity` follows Runge-Kutta methods only: leave out `{self.method}`")
+                _request(
+                    f"`sensitivity` follows explicit Runge-Kutta methods only: leave out `{self.method}`"
+                )
             )
         if self.step is not None and (self.rtol is not None or self.atol is not None):
             faults.append(_request("a fixed `step` has no tolerance: leave out `rtol` and `atol`"))

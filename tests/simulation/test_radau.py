@@ -352,7 +352,7 @@ def test_undamped_stiff_motion_stays_explicit() -> None:
 @pytest.mark.parametrize(
     "given, words",
     [
-        ({"sensitivity": "k"}, "Runge-Kutta methods only"),
+        ({"sensitivity": "k"}, "explicit Runge-Kutta methods only"),
         ({"rtol": 1e-6, "accuracy": 1e-6}, "chooses the tolerance"),
     ],
 )

@@ -134,8 +134,8 @@ def _verified(
     found.values[:, :, kept], found.message = done.values, done.message
     found.doubts[:, kept] = _doubts(done, found.estimated or 0.0, kinds)
     if not found.message and (found.estimated is None or not found.estimated <= request.accuracy):
-        known = "is not known" if found.estimated is None else f"seems to be {found.estimated:.1g}"
-        found.message = f"their accuracy {known}, {request.accuracy:.1g} was asked for"
+        known = "is not known" if found.estimated is None else f"seems to be {found.estimated:.3g}"
+        found.message = f"their accuracy {known}, {request.accuracy:.3g} was asked for"
     return [kept[k] for k in done.lost]
 
 

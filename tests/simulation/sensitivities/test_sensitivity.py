@@ -22,6 +22,7 @@ from lagc.api import Run
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
 from lagc.semantics.units import quotient
+from lagc.simulation.sensitivity import verified_sensitivities
 from lagc.simulation.sensitivity.variational_equations import Followed
 from lagc.simulation.sensitivity.verified_sensitivities import _doubts
 from tests.simulation.events import switched
@@ -400,6 +401,15 @@ def test_changes_at_one_time_that_part_have_no_derivative(name: str) -> None:
     """Also where what is varied is 0."""
     run = lagc.loads(TWO).compile(backend="numpy").simulate(2.0, sensitivity=[name])
     assert run.status == "failed" and "at one time here" in run.message
+
+
+def test_a_missed_accuracy_is_told_in_digits_that_differ(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An estimate of 1.05e-6 is told as such where 1e-6 was asked for, not as 1e-6."""
+    monkeypatch.setattr(
+        verified_sensitivities, "_distance", lambda *_: 1.05e-6 / verified_sensitivities.SAFETY
+    )
+    run = lagc.loads(DAMPED).compile(backend="numpy").simulate(1.0, points=3, sensitivity=["k"])
+    assert run.status == "failed" and "seems to be 1.05e-06, 1e-06 was asked for" in run.message
 
 
 def test_what_one_direction_lacks_leaves_the_others() -> None:
