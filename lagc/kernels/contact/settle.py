@@ -240,6 +240,7 @@ def decide(p: Params, s: State, w: Work) -> Status:
         if NTWO > 0:
             fn_normals_on(p, s.t, s.x, w.modes, w.contacts.normal_rows, w.contacts.normal_bias)
             set_normals_given(w.contacts.rates, w.contacts.lam, w)
+        if NSLIP > 0:
             pass_slips(w)
         # A slip that was set to begin against its force may move the other way: then it sticks.
         found = find_law(w)

@@ -8,6 +8,7 @@ has no direction that stages could follow, as u/|u| has none at zero: it keeps i
 from math import fabs, inf, sqrt
 
 from lagc.kernels.contact.law import CONTACT_SLIPS
+from lagc.kernels.contact.responses import respond, set_accelerations
 from lagc.kernels.contact.touching import (
     close,
     find_touching,
@@ -94,12 +95,17 @@ def pass_slips(w: Work) -> None:
             largest = law.W[k * law.rows + k]
     for n in range(law.count):
         k = law.first[n] + 1
-        # Only a slip of a two-sided contact in a plane can be at such a place.
-        if law.slips[n] == 1 and law.moves[n] == 0 and contact_normals[w.contacts.touching[n]] > 0:
-            # The normal force without contacts bounds the friction: |N0|_1.
-            push = 0.0
-            for m in range(contact_normals[w.contacts.touching[n]]):
-                push += fabs(w.contacts.normal_given[normal_first[w.contacts.touching[n]] + m])
+        if law.slips[n] == 1 and law.moves[n] == 0:
+            # A bound of the normal force: the force that keeps the gap closed alone; of a two-sided contact
+            # |N0|_1, without contacts.
+            first = law.first[n]
+            own = law.W[first * law.rows + first]
+            push = fabs(law.b[first]) / own if own > 0.0 else 0.0
+            if NTWO > 0:
+                if contact_normals[w.contacts.touching[n]] > 0:
+                    push = 0.0
+                    for m in range(contact_normals[w.contacts.touching[n]]):
+                        push += fabs(w.contacts.normal_given[normal_first[w.contacts.touching[n]] + m])
             seen = fabs(law.b[k]) > CONTACT_ROUNDOFF * law.terms[k]
             # The row leaves the problem: b and W of it become 0, and its friction is a given force along the
             # slip.
@@ -112,15 +118,21 @@ def pass_slips(w: Work) -> None:
                 law.W[k * law.rows + k] = largest  # the scale of its forces
 
 
-def keep_passing(w: Work) -> None:
-    """Do not stop the slips of listed contacts that pass zero."""
+def keep_passing(p: Params, s: State, w: Work) -> Status:
+    """Do not stop the slips of contacts that touch which pass zero, at the rates w.contacts.rates."""
+    # The acceleration of the slip, and what its friction adds to it. Other contacts are listed as they touch.
+    fn_contact_rows_on(p, s.t, s.x, w.modes, w.contacts.rows, w.contacts.speeds, w.contacts.bias)
+    list_contacts(True, w)
+    status = respond(p, s.t, s.x, w)
+    set_accelerations(w.contacts.rates, w)
+    set_frictions(p, s.t, s.x, w)
     law = w.contacts.law
     for n in range(law.count):
         i = w.contacts.touching[n]
-        if contact_normals[i] > 0 and w.settling.hit[i] == STOPS:
-            rate = law.u[law.first[n] + 1]
-            if is_passing(n, fabs(law.p[law.first[n]]), rate, w):
+        if law.slips[n] == 1 and w.settling.hit[i] == STOPS:
+            if is_passing(n, fabs(w.contacts.forces[contact_first[i]]), law.b[law.first[n] + 1], w):
                 w.settling.hit[i] = 0
+    return status
 
 
 def find_slips(s: State, w: Work) -> None:
@@ -268,9 +280,10 @@ def stop_slips(p: Params, s: State, w: Work) -> Status:
     s.rhs += 1
     if failed(status):
         return status
-    if NTWO > 0:
-        keep_passing(w)
     find_touching(s.x, w)
+    status = keep_passing(p, s, w)
+    if failed(status):
+        return status
     for i in range(NCON):
         # Each slip that was pushed begins against its static friction.
         if NSLIP > 0:
