@@ -86,26 +86,26 @@ def is_passing(n: int, push: Real, rate: Real, w: Work) -> bool:
 
 def pass_slips(w: Work) -> None:
     """Let listed contacts whose slip passes zero slip along its acceleration, which forces do not change."""
-    # The largest diagonal entry of slip rows stands for the scale that this row does not have.
+    # The largest diagonal entry of slip rows stands for the scale that this row does not have. Forces that
+    # keep each gap closed alone bound the normal forces of contacts of one side.
     law = w.contacts.law
     largest = 0.0
+    bound = 0.0
     for n in range(law.count):
         k = law.first[n] + 1
         if law.slips[n] > 0 and law.W[k * law.rows + k] > largest:
             largest = law.W[k * law.rows + k]
+        own = law.W[law.first[n] * law.rows + law.first[n]]
+        if law.two_sided[n] == 0 and own > 0.0:
+            bound += fabs(law.b[law.first[n]]) / own
     for n in range(law.count):
         k = law.first[n] + 1
         if law.slips[n] == 1 and law.moves[n] == 0:
-            # A bound of the normal force: the force that keeps the gap closed alone; of a two-sided contact
-            # |N0|_1, without contacts.
-            first = law.first[n]
-            own = law.W[first * law.rows + first]
-            push = fabs(law.b[first]) / own if own > 0.0 else 0.0
+            # That of a two-sided contact is |N0|_1 without contacts.
+            push = bound
             if NTWO > 0:
-                if contact_normals[w.contacts.touching[n]] > 0:
-                    push = 0.0
-                    for m in range(contact_normals[w.contacts.touching[n]]):
-                        push += fabs(w.contacts.normal_given[normal_first[w.contacts.touching[n]] + m])
+                for m in range(contact_normals[w.contacts.touching[n]]):
+                    push += fabs(w.contacts.normal_given[normal_first[w.contacts.touching[n]] + m])
             seen = fabs(law.b[k]) > CONTACT_ROUNDOFF * law.terms[k]
             # The row leaves the problem: b and W of it become 0, and its friction is a given force along the
             # slip.
