@@ -394,8 +394,8 @@ def test_at_rest_dry_friction_pushes_neither_way() -> None:
 def test_whole_turns_of_many_angles_are_taken_off_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whether something is an equilibrium is asked a few times, however many links have turned."""
     asked: list[object] = []
-    met = equilibria._Search._met
-    monkeypatch.setattr(equilibria._Search, "_met", lambda *given: asked.append(given) or met(*given))
+    met = equilibria._Search._is_met
+    monkeypatch.setattr(equilibria._Search, "_is_met", lambda *given: asked.append(given) or met(*given))
     for n in (3, 12):
         asked.clear()
         system = lagc.load("chain").compile(parameters={"n": n}, backend="numpy").differentiated()

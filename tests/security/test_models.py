@@ -254,7 +254,9 @@ def test_generated_code_calls_nothing_but_itself_and_mathematics(number: int) ->
     c, python = rendered(path.read_text() if names[number] else HOSTILE)
     assert set(re.findall(r"^\s*#\s*include\s*(\S+)", c, re.M)) <= {
         "<float.h>",
+        "<stdbool.h>",
         "<stddef.h>",
+        "<string.h>",
         "<math.h>",
         *re.findall(r'"\w+\.h"', c),
     }

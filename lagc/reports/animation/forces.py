@@ -21,6 +21,7 @@ MOST_ROWS = 12  # reactions of one constraint
 MOST_JOINTS = 12
 MOST_BODIES = 12
 LEAST = 1e-8  # of the kinetic energy over the size of the scene: a smaller force is rounding
+DEPENDENT = 1e-8  # of the length of a direction: it depends on others
 WITHOUT_FORCE = ("Gear", "RackAndPinion", "Distance", "Weld")
 
 
@@ -125,11 +126,18 @@ def _load_in(scene: Scene, frames: Frames, name: str, reaction: Array) -> Array:
     for c in own:
         sides = [values(body.velocity, {**given, c.rate_symbol: rate}, n) for rate in (1.0, 0.0)]
         directions.append(sides[0] - sides[1])
-    if not directions:
-        return np.zeros(reaction.shape)
-    # The projection onto the directions of motion J is J pinv(J).
-    slopes = np.nan_to_num(np.moveaxis(np.array(directions), 0, 2).swapaxes(0, 1))
-    along: Array = np.einsum("nij,njk,kn->in", slopes, np.linalg.pinv(slopes), reaction)
+    # Projection onto the directions of motion, made orthonormal by Gram and Schmidt; one that vanishes or
+    # depends on those before it counts as none.
+    along, basis = np.zeros(reaction.shape), list[Array]()
+    for direction in directions:
+        rest = direction
+        for e in basis:
+            rest = rest - (e * rest).sum(0) * e
+        length, size = ((a * a).sum(0) ** 0.5 for a in (rest, direction))
+        moves = length > DEPENDENT * size
+        e = np.where(moves, rest / np.where(moves, length, 1.0), 0.0)
+        basis.append(e)
+        along = along + (e * reaction).sum(0) * e
     return along
 
 
