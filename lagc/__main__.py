@@ -1,5 +1,7 @@
-"""`python -m lagc` is `lagc`."""
+"""`python -m lagc` is `lagc`, in a process that ends as Python does: profilers see its end."""
 
-from lagc.cli.program import process
+import sys
 
-process()
+from lagc.cli.program import program
+
+sys.exit(program())

@@ -24,7 +24,7 @@ def begin_flight(x: Vec[NX], implicit: bool, w: Work) -> None:
             recall_forces(block, w)
             w.contacts.constant[w.contacts.constant_count] = block
             w.contacts.constant_count += 1
-    find_touching(x, w)
+    find_touching(x, w)  # recalled blocks were taken off the list
     forget_forces(w)
     sample_forces(w)
     w.contacts.flies = True

@@ -101,7 +101,7 @@ def pass_slips(w: Work) -> None:
     for n in range(law.count):
         k = law.first[n] + 1
         if law.slips[n] == 1 and law.moves[n] == 0:
-            # That of a two-sided contact is |N0|_1 without contacts.
+            # The normal force of a two-sided contact adds that without contacts, |N0|_1.
             push = bound
             if NTWO > 0:
                 for m in range(contact_normals[w.contacts.touching[n]]):
@@ -119,8 +119,9 @@ def pass_slips(w: Work) -> None:
 
 
 def keep_passing(p: Params, s: State, w: Work) -> Status:
-    """Do not stop the slips of contacts that touch which pass zero, at the rates w.contacts.rates."""
-    # The acceleration of the slip, and what its friction adds to it. Other contacts are listed as they touch.
+    """Let the slips that pass zero go on: clear their stops in w.settling.hit. The rates w.contacts.rates are
+    those of the contacts that touch."""
+    # The acceleration of each slip is compared with what its friction adds to it.
     fn_contact_rows_on(p, s.t, s.x, w.modes, w.contacts.rows, w.contacts.speeds, w.contacts.bias)
     list_contacts(True, w)
     status = respond(p, s.t, s.x, w)
