@@ -30,6 +30,8 @@ from lagc.compiler.shipped import COMMON
 from lagc.kernels import METHODS
 from tests.codegen.tools import of_model
 
+pytestmark = pytest.mark.usefixtures("own_cache")  # kernels of these texts are kept beside lagc's own
+
 HEAD = "from lagc.kernels.language.words import *\n"
 
 
